@@ -1,0 +1,107 @@
+#include "lambake/bake/bake.h"
+
+#include <fmt/format.h>
+
+#include "lambake/bake/methods.h"
+#include "lambake/core/error.h"
+#include "lambake/core/parallel.h"
+#include "lambake/geometry/normals.h"
+#include "lambake/shading/lambert.h"
+
+namespace lambake {
+namespace {
+
+constexpr std::size_t block_size = 1024;
+
+LinearRgb base_color(const Mesh& mesh, std::size_t v) {
+  return mesh.colors.empty() ? LinearRgb{1, 1, 1} : mesh.colors[v];
+}
+
+/// V: whether the vertex belongs to an unlit material.
+std::vector<bool> find_unlit_vertices(const Scene& scene, const Mesh& mesh) {
+  std::vector<bool> is_unlit;
+  for (std::size_t f = 0; f < mesh.n_triangles(); ++f) {
+    if (!scene.materials[mesh.material_of(f)].is_unlit) continue;
+    is_unlit.resize(mesh.n_vertices(), false);
+    for (int c = 0; c < 3; ++c) is_unlit[mesh.triangles[f][c]] = true;
+  }
+  return is_unlit;
+}
+
+}  // namespace
+
+std::vector<LinearRgb> sample_at_vertices(const Scene& scene, const Mesh& mesh) {
+  if (mesh.normals.size() != mesh.n_vertices())
+    throw InvalidScene(
+        fmt::format("bake: expected {} vertex normals, found {}", mesh.n_vertices(), mesh.normals.size()));
+  std::vector<LinearRgb> colors(mesh.n_vertices());
+  parallel_blocks(mesh.n_vertices(), block_size, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin; v < end; ++v) {
+      const glm::vec3 e = irradiance<float>(scene.lights, mesh.positions[v], mesh.normals[v]);
+      colors[v] = base_color(mesh, v) * LinearRgb{e.r, e.g, e.b};
+    }
+  });
+  const std::vector<bool> is_unlit = find_unlit_vertices(scene, mesh);
+  for (std::size_t v = 0; v < is_unlit.size(); ++v)
+    if (is_unlit[v]) colors[v] = base_color(mesh, v);
+  return colors;
+}
+
+BakedColors bake_face(const Scene& scene) {
+  const Mesh& in = scene.mesh;
+  BakedColors baked;
+  Mesh& out = baked.mesh.emplace();
+  const std::size_t n = in.n_triangles();
+  out.positions.reserve(3 * n);
+  const auto gather = [&](const auto& from, auto& to) {
+    if (from.empty()) return;
+    to.reserve(3 * n);
+    for (const glm::uvec3& t : in.triangles)
+      for (int c = 0; c < 3; ++c) to.push_back(from[t[c]]);
+  };
+  gather(in.positions, out.positions);
+  gather(in.normals, out.normals);
+  gather(in.colors, out.colors);
+  gather(in.opacities, out.opacities);
+  for (std::size_t set = 0; set < in.texcoords.size(); ++set) gather(in.texcoords[set], out.texcoords[set]);
+  out.materials = in.materials;
+  out.source_faces = in.source_faces;
+  out.source_vertices.reserve(3 * n);
+  out.triangles.reserve(n);
+  for (std::uint32_t f = 0; f < n; ++f) {
+    out.triangles.emplace_back(3 * f, 3 * f + 1, 3 * f + 2);
+    for (int c = 0; c < 3; ++c) out.source_vertices.push_back(in.source_vertex_of(in.triangles[f][c]));
+  }
+
+  const std::vector<glm::vec3> normals = face_normals(in);
+  baked.colors.resize(3 * n);
+  parallel_blocks(n, block_size, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t f = begin; f < end; ++f) {
+      const glm::uvec3& t = in.triangles[f];
+      const glm::vec3 centroid = (in.positions[t[0]] + in.positions[t[1]] + in.positions[t[2]]) / 3.0f;
+      const LinearRgb albedo =
+          (base_color(in, t[0]) + base_color(in, t[1]) + base_color(in, t[2])) * (1.0f / 3.0f);
+      const glm::vec3 e = irradiance<float>(scene.lights, centroid, normals[f]);
+      const bool is_unlit = scene.materials[in.material_of(f)].is_unlit;
+      for (std::uint32_t c = 0; c < 3; ++c)
+        baked.colors[3 * f + c] =
+            is_unlit ? base_color(in, t[static_cast<int>(c)]) : albedo * LinearRgb{e.r, e.g, e.b};
+    }
+  });
+  return baked;
+}
+
+BakedColors bake(const Scene& scene, const BakeOptions& options) {
+  switch (options.method) {
+    case BakeMethod::face:
+      return bake_face(scene);
+    case BakeMethod::sample: {
+      BakedColors baked;
+      baked.colors = sample_at_vertices(scene, scene.mesh);
+      return baked;
+    }
+  }
+  throw InvalidOption("bake: unknown method");
+}
+
+}  // namespace lambake

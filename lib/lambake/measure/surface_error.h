@@ -1,0 +1,40 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "lambake/bake/bake.h"
+#include "lambake/measure/image_error.h"
+#include "lambake/scene/scene.h"
+
+namespace lambake {
+
+/// A place on the surface.
+struct SurfacePlace {
+  std::uint32_t triangle = 0;     ///< Of the mesh that carries the colours.
+  std::uint32_t source_face = 0;  ///< The file's face.
+  glm::dvec3 barycentrics{1, 0, 0};
+  glm::dvec3 position{0};   ///< World space.
+  double error = 0;         ///< |G − F| of the worst channel.
+  std::uint32_t light = 0;  ///< The light that contributes most to it.
+};
+
+/// The difference of per-vertex and per-fragment light as a function on the surface, by area; no camera in
+/// it. F is the equation on the scene's mesh with interpolated, renormalised normals; G the interpolated
+/// colours.
+struct SurfaceError {
+  double rmse = 0, mae = 0, mean = 0;  ///< Area means over the three channels; mean is signed, G − F.
+  double max_sampled = 0;  ///< Largest |G − F| met while integrating: never above the truth's maximum.
+  double area = 0;         ///< Area integrated over, in squared world units.
+  std::vector<float> triangle_rmse, triangle_max;  ///< F' each.
+  std::vector<SurfacePlace> worst;                 ///< At most 8, in different triangles, largest first.
+};
+
+/// @param baked  of `scene`. @param space linear, or display (sRGB-encoded, clamped to [0,1]).
+/// Adaptive quadrature; deterministic for any number of threads.
+SurfaceError surface_error(const Scene& scene, const BakedColors& baked, ErrorSpace space);
+
+}  // namespace lambake

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "lambake/core/bounds.h"
+#include "lambake/scene/camera.h"
+
+namespace lambake {
+
+/// A camera that sees the whole bounding sphere of `bounds` from a little above and to the right, for a
+/// picture of the given aspect (width / height).
+Camera frame(const Bounds& bounds, float aspect);
+
+/// `n_views` such cameras evenly around the model; the first is frame().
+std::vector<Camera> frame_around(const Bounds& bounds, float aspect, std::size_t n_views);
+
+/// A perspective camera at `eye` looking at `target`, y up (z up if it looks along y).
+/// @throws InvalidOption if eye and target are equal or not finite, or the angle is not in (0, π).
+Camera look_at(const glm::vec3& eye, const glm::vec3& target, float vertical_fov_rad);
+
+}  // namespace lambake

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstddef>
+
+#include "lambake/bake/bake.h"
+#include "lambake/render/visibility.h"
+#include "lambake/scene/picture.h"
+#include "lambake/scene/scene.h"
+
+namespace lambake {
+
+/// Pixels that no triangle covers.
+inline constexpr LinearRgb background{0.0f, 0.0f, 0.0f};
+
+/// The reference: at each covered pixel position, normal (renormalised) and base colour are interpolated,
+/// textures sampled, and the equation is evaluated. `visibility` is of the scene's own mesh, which has
+/// normals.
+Picture shade_per_fragment(const Scene& scene, const Visibility& visibility);
+
+/// Gouraud: baked colours interpolated, times the material's base colour and texture, plus its emission.
+/// `visibility` is of mesh_of(scene, baked).
+Picture shade_per_vertex(const Scene& scene, const BakedColors& baked, const Visibility& visibility);
+
+/// Covered pixels whose triangle is seen from the side that its normal is not on.
+std::size_t count_seen_from_behind(const Scene& scene, const Visibility& visibility, const Camera& camera);
+
+}  // namespace lambake

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <limits>
+#include <vector>
+
+#include "lambake/scene/camera.h"
+#include "lambake/scene/scene.h"
+
+namespace lambake {
+
+inline constexpr std::uint32_t no_triangle = std::numeric_limits<std::uint32_t>::max();
+
+/// Who is seen in each pixel: the triangle nearest at its centre. W×H, row by row from the top.
+///
+/// A triangle covers a pixel if the centre is inside, by the top-left rule on its edges: triangles that share
+/// an edge cover each pixel exactly once. Triangles are clipped at the near (and far) plane. Single-sided
+/// materials are not seen from behind; pixels whose texture opacity is below the cutoff of an AlphaMode::mask
+/// material show what is behind.
+struct Visibility {
+  std::uint32_t width = 0, height = 0;
+  std::vector<std::uint32_t> triangles;  ///< W·H indices of triangles, or no_triangle.
+  std::vector<glm::vec2> barycentrics;   ///< W·H: perspective-correct weights of the corners 1 and 2.
+  std::vector<float> depths;             ///< W·H distances along the view axis; infinity where nothing is.
+  std::size_t n_covered = 0;             ///< Pixels with a triangle.
+};
+
+/// @param scene   for the materials (sidedness, masks); its own mesh is not used.
+/// @param mesh    what is drawn: the scene's, or one made by baking.
+/// Deterministic for any number of threads.
+Visibility find_visibility(const Scene& scene, const Mesh& mesh, const Camera& camera, std::uint32_t width,
+                           std::uint32_t height);
+
+}  // namespace lambake

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "lambake/core/finding.h"
+#include "lambake/measure/image_error.h"
+#include "lambake/measure/surface_error.h"
+#include "lambake/scene/picture.h"
+
+namespace lambake {
+
+/// All that a comparison found: what report.json and index.html are made from.
+struct Comparison {
+  std::string input;    ///< The file's name without folders.
+  std::string command;  ///< The command line.
+  std::string version;
+  std::string method, normals;                                ///< As on the command line.
+  std::size_t n_vertices = 0, n_triangles = 0, n_lights = 0;  ///< Of the mesh that carries the colours.
+  std::size_t n_scene_vertices = 0, n_scene_triangles = 0;    ///< Before the method added any.
+  std::vector<std::string> light_names;  ///< One per light, for people: "sun 1", "lamp 2 (desk)".
+  std::size_t clipped_vertices = 0;
+  std::size_t seen_from_behind = 0;  ///< Pixels.
+  ImageError image_linear, image_display;
+  SurfaceError surface_linear, surface_display;
+  Picture per_vertex, per_fragment;  ///< Of the first view.
+  Visibility visibility;             ///< Of the first view, of the scene's mesh.
+  std::size_t n_views = 1;
+  Findings findings;
+  std::vector<std::pair<std::string, double>> seconds;  ///< By stage, in order.
+};
+
+}  // namespace lambake

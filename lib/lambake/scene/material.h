@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "lambake/core/color.h"
+
+namespace lambake {
+
+/// Pixels of a texture, decoded: linear RGB and opacity, row by row from the top. W×H.
+struct Image {
+  std::uint32_t width = 0, height = 0;
+  std::vector<glm::vec4> pixels;  ///< W·H; rgb linear, a in [0,1].
+};
+
+enum class TextureWrap { repeat, clamp_to_edge, mirrored_repeat };
+enum class TextureFilter { nearest, linear };
+
+/// How an image is looked up.
+struct Texture {
+  std::uint32_t image = 0;  ///< Index into Scene::images.
+  TextureWrap wrap_s = TextureWrap::repeat, wrap_t = TextureWrap::repeat;
+  TextureFilter filter = TextureFilter::linear;
+  int texcoord_set = 0;       ///< Index into Mesh::texcoords.
+  glm::mat3 transform{1.0f};  ///< Applied to (u, v, 1): KHR_texture_transform.
+};
+
+inline constexpr std::uint32_t no_texture = std::numeric_limits<std::uint32_t>::max();
+
+enum class AlphaMode { opaque, mask, blend };
+
+/// A Lambertian material. Albedo = base_color ⊗ texture ⊗ vertex colour; each factor in [0,1].
+struct Material {
+  std::string name;
+  LinearRgb base_color{1, 1, 1};
+  float opacity = 1;
+  std::uint32_t base_color_texture = no_texture;  ///< Index into Scene::textures.
+  LinearRgb emission{0, 0, 0};                    ///< Unbounded above.
+  std::uint32_t emission_texture = no_texture;    ///< Multiplies `emission`.
+  AlphaMode alpha_mode = AlphaMode::opaque;
+  float alpha_cutoff = 0.5f;    ///< For AlphaMode::mask: less than this is not drawn.
+  bool is_double_sided = true;  ///< Otherwise faces seen from behind are not drawn.
+  bool is_unlit = false;        ///< Shows its base colour as it is; takes no light.
+};
+
+}  // namespace lambake

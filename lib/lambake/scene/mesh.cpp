@@ -1,0 +1,61 @@
+#include "lambake/scene/mesh.h"
+
+#include <fmt/format.h>
+
+#include <numeric>
+
+#include "lambake/core/error.h"
+
+namespace lambake {
+
+std::uint32_t append_vertex_copy(Mesh& mesh, std::uint32_t v) {
+  const auto copy = [v](auto& values) {
+    if (!values.empty()) {
+      const auto value = values[v];
+      values.push_back(value);
+    }
+  };
+  const auto index = static_cast<std::uint32_t>(mesh.n_vertices());
+  if (mesh.source_vertices.empty()) {
+    mesh.source_vertices.resize(index);
+    std::iota(mesh.source_vertices.begin(), mesh.source_vertices.end(), 0U);
+  }
+  copy(mesh.positions);
+  copy(mesh.normals);
+  copy(mesh.colors);
+  copy(mesh.opacities);
+  for (auto& set : mesh.texcoords) copy(set);
+  copy(mesh.source_vertices);
+  copy(mesh.normal_groups);
+  return index;
+}
+
+void check_mesh(const Mesh& mesh, std::size_t n_materials) {
+  const std::size_t n_vertices = mesh.n_vertices();
+  const std::size_t n_triangles = mesh.n_triangles();
+  const auto check_length = [](const char* name, std::size_t found, std::size_t expected) {
+    if (found != 0 && found != expected)
+      throw InvalidScene(fmt::format("mesh: {}: expected {} or no values, found {}", name, expected, found));
+  };
+  check_length("normals", mesh.normals.size(), n_vertices);
+  check_length("colors", mesh.colors.size(), n_vertices);
+  check_length("opacities", mesh.opacities.size(), n_vertices);
+  check_length("texcoords[0]", mesh.texcoords[0].size(), n_vertices);
+  check_length("texcoords[1]", mesh.texcoords[1].size(), n_vertices);
+  check_length("source_vertices", mesh.source_vertices.size(), n_vertices);
+  check_length("normal_groups", mesh.normal_groups.size(), n_vertices);
+  check_length("materials", mesh.materials.size(), n_triangles);
+  check_length("source_faces", mesh.source_faces.size(), n_triangles);
+  for (std::size_t f = 0; f < n_triangles; ++f) {
+    const glm::uvec3& t = mesh.triangles[f];
+    for (int corner = 0; corner < 3; ++corner)
+      if (t[corner] >= n_vertices)
+        throw InvalidScene(
+            fmt::format("mesh: triangle {}: expected indices below {}, found {}", f, n_vertices, t[corner]));
+    if (mesh.material_of(f) >= n_materials)
+      throw InvalidScene(fmt::format("mesh: triangle {}: expected a material below {}, found {}", f,
+                                     n_materials, mesh.material_of(f)));
+  }
+}
+
+}  // namespace lambake
