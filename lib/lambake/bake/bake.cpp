@@ -7,6 +7,7 @@
 #include "lambake/core/parallel.h"
 #include "lambake/geometry/normals.h"
 #include "lambake/shading/lambert.h"
+#include "lambake/shading/light_kernel.h"
 
 namespace lambake {
 namespace {
@@ -35,11 +36,14 @@ std::vector<LinearRgb> sample_at_vertices(const Scene& scene, const Mesh& mesh) 
     throw InvalidScene(
         fmt::format("bake: expected {} vertex normals, found {}", mesh.n_vertices(), mesh.normals.size()));
   std::vector<LinearRgb> colors(mesh.n_vertices());
+  const PackedLights lights = pack_lights(scene.lights);
+  const std::span<const glm::vec3> positions = mesh.positions, normals = mesh.normals;
   parallel_blocks(mesh.n_vertices(), block_size, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t v = begin; v < end; ++v) {
-      const glm::vec3 e = irradiance<float>(scene.lights, mesh.positions[v], mesh.normals[v]);
-      colors[v] = base_color(mesh, v) * LinearRgb{e.r, e.g, e.b};
-    }
+    const std::size_t n = end - begin;
+    irradiance(lights, positions.subspan(begin, n), normals.subspan(begin, n),
+               std::span(colors).subspan(begin, n));
+    if (mesh.colors.empty()) return;
+    for (std::size_t v = begin; v < end; ++v) colors[v] = mesh.colors[v] * colors[v];
   });
   const std::vector<bool> is_unlit = find_unlit_vertices(scene, mesh);
   for (std::size_t v = 0; v < is_unlit.size(); ++v)

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/glm.hpp>
+#include <limits>
 #include <span>
 
 #include "lambake/scene/light.h"
@@ -22,6 +23,11 @@ Real falloff(const Light& light, Real distance_squared) {
   const Real k = light.decay;
   if (k == Real(2)) {
     f = Real(1) / distance_squared;
+  } else if (k == Real(1)) {
+    f = Real(1) / std::sqrt(distance_squared);
+  } else if (k == Real(4)) {
+    f = Real(1) / distance_squared;
+    f *= f;
   } else if (k != Real(0)) {
     f = std::pow(distance_squared, Real(-0.5) * k);
   }
@@ -44,7 +50,8 @@ Real spot_cone(const Light& light, const glm::vec<3, Real>& to_light) {
 }
 
 /// max(0, n·ω) · f(d): what light `light` gives at `position` to a surface of unit normal `normal`, without
-/// its colour. 0 for a normal of (0,0,0) and where the light lies on the point (no direction).
+/// its colour. 0 for a normal of (0,0,0), where the light lies on the point (no direction) and where the
+/// squared distance is not finite.
 template <typename Real>
 Real received(const Light& light, const glm::vec<3, Real>& position, const glm::vec<3, Real>& normal) {
   using Vec = glm::vec<3, Real>;
@@ -53,7 +60,8 @@ Real received(const Light& light, const glm::vec<3, Real>& position, const glm::
   const Vec to_light = Vec(light.position) - position;
   const Real distance_squared = glm::dot(to_light, to_light);
   const Real facing = glm::dot(normal, to_light);
-  if (!(facing > 0) || !(distance_squared > 0)) return 0;
+  if (!(facing > 0) || !(distance_squared > 0) || !(distance_squared < std::numeric_limits<Real>::infinity()))
+    return 0;
   const Real distance = std::sqrt(distance_squared);
   Real value = facing / distance * falloff(light, distance_squared);
   if (light.type == LightType::spot) value *= spot_cone(light, to_light / distance);
