@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <span>
+#include <string>
+#include <vector>
+
+/// The JSON of a glTF file beside the bytes of its one buffer, and how both become a file; internal to io.
+///
+/// Keys keep their order, and what is not understood stays: that is why assets are written from their own
+/// document and not through a model of known fields.
+namespace lambake {
+
+using GltfJson = nlohmann::ordered_json;
+
+namespace gltf {
+inline constexpr int byte = 5120, unsigned_byte = 5121, short_ = 5122, unsigned_short = 5123,
+                     unsigned_int = 5125, float_ = 5126;
+inline constexpr int array_buffer = 34962, element_array_buffer = 34963;
+}  // namespace gltf
+
+struct GltfDocument {
+  GltfJson json = GltfJson::object();
+  std::vector<unsigned char> bin;  ///< The bytes of `buffers[0]`, where the document has data of its own.
+};
+
+/// Elements to be added: `count` of them, `bytes.size() / count` apart (a multiple of 4 for attributes).
+struct GltfElements {
+  std::span<const unsigned char> bytes = {};
+  std::size_t count = 0;
+  int component_type = gltf::float_;
+  const char* type = "VEC3";
+  bool is_normalized = false;
+  int target = gltf::array_buffer;  ///< 0: none.
+  bool is_strided = false;          ///< The elements are padded: the view says its stride.
+};
+
+/// Appends bytes, 4-aligned, with a buffer view; returns the view's index.
+std::size_t append_view(GltfDocument& document, std::span<const unsigned char> bytes, int target,
+                        std::size_t stride);
+
+/// Appends elements with their view and accessor; returns the accessor's index.
+std::size_t append_accessor(GltfDocument& document, const GltfElements& elements);
+
+/// Appends `value` to the top-level array `key`, which is made if there is none; returns its index.
+std::size_t append_to(GltfJson& json, const char* key, GltfJson value);
+
+/// Adds a name to `extensionsUsed` unless it is there.
+void use_extension(GltfJson& json, const char* name);
+
+/// Throws IoError where a GLB cannot hold `n_bin_bytes` beside `n_json_bytes`: its lengths are of 32 bits.
+void check_glb_size(const std::string& path, std::uint64_t n_json_bytes, std::uint64_t n_bin_bytes);
+
+/// Writes the document, whole or not at all: as GLB, or as JSON with a .bin beside it, by the extension of
+/// `path`. `buffers[0]` is made to fit `bin`.
+/// @throws IoError if the file cannot be written or is a GLB past 4 GiB; InvalidOption for another extension.
+void write_document(const std::string& path, GltfDocument& document);
+
+}  // namespace lambake

@@ -1,0 +1,25 @@
+#include "lambake/io/gltf_write.h"
+
+namespace lambake {
+
+bool can_fold_emission(const Material& material) {
+  const LinearRgb& base = material.base_color;
+  const LinearRgb& emission = material.emission;
+  const auto holds = [](float factor, float light) { return light == 0 || factor > 0; };
+  return material.base_color_texture == no_texture && material.emission_texture == no_texture &&
+         holds(base.r, emission.r) && holds(base.g, emission.g) && holds(base.b, emission.b);
+}
+
+void tell_storage(Findings& findings, std::size_t clipped, std::size_t negative) {
+  add_finding(
+      findings, "clipped_vertices", clipped,
+      "vertices are brighter than a vertex colour can hold; clipped to 1 (a lower exposure avoids it)");
+  add_finding(findings, "negative_vertices", negative, "vertices have a colour below 0; stored as 0");
+}
+
+WrittenColors write_gltf_file(const std::string& path, const SceneFile& file, const BakedColors& baked,
+                              const GltfWriteOptions& options) {
+  return write_new_gltf(path, file.scene, baked, options);
+}
+
+}  // namespace lambake

@@ -1,0 +1,221 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "lambake/core/bounds.h"
+#include "lambake/core/error.h"
+#include "lambake/io/gltf_color.h"
+#include "lambake/io/gltf_document.h"
+#include "lambake/io/gltf_write.h"
+
+namespace lambake {
+namespace {
+
+/// The vertices and triangles of one primitive, by their indices in the mesh.
+struct Part {
+  std::uint32_t material = 0;
+  std::vector<std::uint32_t> vertices;
+  std::vector<glm::uvec3> triangles;  ///< Of `vertices`.
+};
+
+template <typename T>
+std::span<const unsigned char> bytes_of(const std::vector<T>& values) {
+  return {reinterpret_cast<const unsigned char*>(values.data()), values.size() * sizeof(T)};
+}
+
+template <typename T>
+std::vector<T> gather(const std::vector<T>& values, const std::vector<std::uint32_t>& indices) {
+  std::vector<T> gathered;
+  if (values.empty()) return gathered;
+  gathered.reserve(indices.size());
+  for (const std::uint32_t i : indices) gathered.push_back(values[i]);
+  return gathered;
+}
+
+class NewAsset {
+ public:
+  NewAsset(const Scene& scene, const BakedColors& baked, const GltfWriteOptions& options)
+      : scene_(scene), mesh_(mesh_of(scene, baked)), colors_(baked.colors), options_(options) {
+    if (colors_.size() != mesh_.n_vertices())
+      throw InvalidScene(
+          fmt::format("glTF writing: expected {} colours, found {}", mesh_.n_vertices(), colors_.size()));
+  }
+
+  WrittenColors build(GltfDocument& document) {
+    document.json = {{"asset", {{"version", "2.0"}, {"generator", "lambake"}}},
+                     {"scene", 0},
+                     {"scenes", {{{"nodes", {0}}}}},
+                     {"nodes", {{{"mesh", 0}}}},
+                     {"meshes", {{{"primitives", GltfJson::array()}}}}};
+    const std::vector<Part> parts = split_by_material();
+    if (parts.empty()) throw InvalidScene("glTF writing: no triangle of finite vertices is left to write");
+    for (const Part& part : parts) {
+      GltfJson primitive = write_primitive(document, part);
+      primitive["material"] = write_material(document, scene_.materials[part.material]);
+      document.json["meshes"][0]["primitives"].push_back(std::move(primitive));
+    }
+    tell_storage(written_.findings, written_.clipped_vertices, negative_);
+    add_finding(written_.findings, "normals_replaced", normals_replaced_,
+                "vertices have no normal, which glTF forbids; +z is written there");
+    return std::move(written_);
+  }
+
+ private:
+  /// One part per material that has triangles. Vertices keep their order; those of no triangle stay only
+  /// where the mesh is one part.
+  std::vector<Part> split_by_material() {
+    std::vector<bool> is_sound(mesh_.n_vertices());
+    bool are_all_sound = true;
+    for (std::size_t v = 0; v < mesh_.n_vertices(); ++v) {
+      is_sound[v] = is_finite(mesh_.positions[v]);
+      are_all_sound = are_all_sound && is_sound[v];
+    }
+    std::vector<Part> parts(scene_.materials.size());
+    std::size_t n_dropped = 0, n_materials = 0;
+    for (std::size_t f = 0; f < mesh_.n_triangles(); ++f) {
+      const glm::uvec3& t = mesh_.triangles[f];
+      if (!are_all_sound && !(is_sound[t[0]] && is_sound[t[1]] && is_sound[t[2]])) {
+        ++n_dropped;
+        continue;
+      }
+      parts[mesh_.material_of(f)].triangles.push_back(t);
+    }
+    for (std::uint32_t m = 0; m < parts.size(); ++m) parts[m].material = m;
+    std::erase_if(parts, [](const Part& part) { return part.triangles.empty(); });
+    n_materials = parts.size();
+    std::vector<bool> is_written(mesh_.n_vertices(), false);
+    for (Part& part : parts) compact(part, is_sound, n_materials == 1, is_written);
+    std::size_t n_left_out = 0;
+    for (std::size_t v = 0; v < mesh_.n_vertices(); ++v)
+      if (is_sound[v] && !is_written[v]) ++n_left_out;
+    add_finding(written_.findings, "faces_left_out", n_dropped,
+                "faces have a vertex that is not finite, which glTF forbids; left out of the file");
+    if (n_materials > 1)
+      add_finding(written_.findings, "vertices_left_out", n_left_out,
+                  "vertices belong to no written face and so to no material; left out of the file");
+    return parts;
+  }
+
+  void compact(Part& part, const std::vector<bool>& is_sound, bool keeps_isolated,
+               std::vector<bool>& is_written) const {
+    constexpr std::uint32_t unused = std::numeric_limits<std::uint32_t>::max();
+    std::vector<std::uint32_t> index(mesh_.n_vertices(), keeps_isolated ? 0 : unused);
+    if (!keeps_isolated)
+      for (const glm::uvec3& t : part.triangles)
+        for (int c = 0; c < 3; ++c) index[t[c]] = 0;
+    for (std::uint32_t v = 0; v < mesh_.n_vertices(); ++v) {
+      if (!is_sound[v] || index[v] == unused) continue;
+      index[v] = static_cast<std::uint32_t>(part.vertices.size());
+      part.vertices.push_back(v);
+      is_written[v] = true;
+    }
+    for (glm::uvec3& t : part.triangles)
+      for (int c = 0; c < 3; ++c) t[c] = index[t[c]];
+  }
+
+  GltfJson write_primitive(GltfDocument& document, const Part& part) {
+    GltfJson attributes = GltfJson::object();
+    const std::vector<glm::vec3> positions = gather(mesh_.positions, part.vertices);
+    const std::size_t n = positions.size();
+    attributes["POSITION"] = append_accessor(document, {.bytes = bytes_of(positions), .count = n});
+    const Bounds box = bounds_of(positions);
+    GltfJson& accessor = document.json["accessors"].back();
+    accessor["min"] = {box.min.x, box.min.y, box.min.z};
+    accessor["max"] = {box.max.x, box.max.y, box.max.z};
+    if (!mesh_.normals.empty()) {
+      std::vector<glm::vec3> normals = gather(mesh_.normals, part.vertices);
+      for (glm::vec3& normal : normals)
+        if (!(glm::dot(normal, normal) > 0.5f)) normal = {0, 0, 1}, ++normals_replaced_;
+      attributes["NORMAL"] = append_accessor(document, {.bytes = bytes_of(normals), .count = n});
+    }
+    for (std::size_t set = 0; set < mesh_.texcoords.size(); ++set)
+      if (!mesh_.texcoords[set].empty()) {
+        const std::vector<glm::vec2> texcoords = gather(mesh_.texcoords[set], part.vertices);
+        attributes[fmt::format("TEXCOORD_{}", set)] =
+            append_accessor(document, {.bytes = bytes_of(texcoords), .count = n, .type = "VEC2"});
+      }
+    attributes[options_.attribute] = write_colors(document, part);
+    return {{"attributes", std::move(attributes)}, {"indices", write_indices(document, part)}};
+  }
+
+  std::size_t write_colors(GltfDocument& document, const Part& part) {
+    const Material& material = scene_.materials[part.material];
+    const float scale = std::exp2(options_.exposure_stops);
+    const bool folds_emission = can_fold_emission(material);
+    if (has_emission(material) && !folds_emission)
+      add_finding(written_.findings, "emission_not_written", part.vertices.size(),
+                  fmt::format("vertices of material \"{}\" emit light that cannot be put into vertex colours "
+                              "beside a texture; left out",
+                              material.name));
+    std::vector<LinearRgb> colors = gather(colors_, part.vertices);
+    for (LinearRgb& color : colors) {
+      color = color * material.base_color;
+      if (folds_emission) color += material.emission;
+      color = color * scale;
+    }
+    std::vector<float> opacities = gather(mesh_.opacities, part.vertices);
+    if (material.opacity != 1) {
+      opacities.resize(colors.size(), 1.0f);
+      for (float& opacity : opacities) opacity *= material.opacity;
+    }
+    const EncodedColors encoded = encode_colors(
+        colors, opacities, {.storage = options_.color, .is_clamped = options_.attribute.front() != '_'});
+    written_.clipped_vertices += encoded.clipped;
+    negative_ += encoded.negative;
+    return append_accessor(document, encoded.elements());
+  }
+
+  static std::size_t write_indices(GltfDocument& document, const Part& part) {
+    const std::size_t n = 3 * part.triangles.size();
+    GltfElements elements{.count = n, .type = "SCALAR", .target = gltf::element_array_buffer};
+    if (part.vertices.size() > std::numeric_limits<std::uint16_t>::max()) {
+      elements.component_type = gltf::unsigned_int;
+      elements.bytes = bytes_of(part.triangles);
+      return append_accessor(document, elements);
+    }
+    std::vector<std::uint16_t> indices;  // 65535 is kept free: it restarts primitives on some hardware.
+    indices.reserve(n);
+    for (const glm::uvec3& t : part.triangles)
+      for (int c = 0; c < 3; ++c) indices.push_back(static_cast<std::uint16_t>(t[c]));
+    elements.component_type = gltf::unsigned_short;
+    elements.bytes = bytes_of(indices);
+    return append_accessor(document, elements);
+  }
+
+  /// Base colour and emission are in the vertex colours: only the texture is left to the material.
+  std::size_t write_material(GltfDocument& document, const Material& material) {
+    GltfJson pbr{{"metallicFactor", 0.0}};
+    GltfJson json{{"pbrMetallicRoughness", std::move(pbr)}};
+    if (!material.name.empty()) json["name"] = material.name;
+    if (material.is_double_sided) json["doubleSided"] = true;
+    if (material.alpha_mode == AlphaMode::mask)
+      json["alphaMode"] = "MASK", json["alphaCutoff"] = material.alpha_cutoff;
+    if (material.alpha_mode == AlphaMode::blend) json["alphaMode"] = "BLEND";
+    if (options_.mark_unlit) {
+      json["extensions"]["KHR_materials_unlit"] = GltfJson::object();
+      use_extension(document.json, "KHR_materials_unlit");
+    }
+    return append_to(document.json, "materials", std::move(json));
+  }
+
+  const Scene& scene_;
+  const Mesh& mesh_;
+  const std::vector<LinearRgb>& colors_;
+  const GltfWriteOptions& options_;
+  WrittenColors written_;
+  std::size_t negative_ = 0, normals_replaced_ = 0;
+};
+
+}  // namespace
+
+WrittenColors write_new_gltf(const std::string& path, const Scene& scene, const BakedColors& baked,
+                             const GltfWriteOptions& options) {
+  GltfDocument document;
+  WrittenColors written = NewAsset(scene, baked, options).build(document);
+  write_document(path, document);
+  return written;
+}
+
+}  // namespace lambake
