@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -25,11 +26,15 @@ struct Comparison {
   std::size_t seen_from_behind = 0;  ///< Pixels.
   ImageError image_linear, image_display;
   SurfaceError surface_linear, surface_display;
+  /// Certified: |G − F| is nowhere on the surface above it. Infinite where a light lies on the surface; none
+  /// where it was not asked for.
+  std::optional<double> max_bound_linear, max_bound_display;
+  std::string verdict;               ///< One sentence; empty: the page makes one from the numbers.
   Picture per_vertex, per_fragment;  ///< Of the first view.
   Visibility visibility;             ///< Of the first view, of the scene's mesh.
   std::size_t n_views = 1;
   Findings findings;
-  std::vector<std::pair<std::string, double>> seconds;  ///< By stage, in order.
+  std::vector<std::pair<std::string, double>> seconds;  ///< By stage, in order; equal names add up.
 };
 
 }  // namespace lambake

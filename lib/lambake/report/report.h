@@ -12,9 +12,17 @@ std::string report_json(const Comparison& comparison);
 /// index.html: one self-contained page that opens from disk without a network.
 std::string report_page(const Comparison& comparison);
 
-/// Signed heat map of test − reference, largest channel, on screen (sRGB): blue where the test is darker, red
-/// where brighter, with a colour bar that says the scale. `scale` is the value at the ends of the bar; 0
-/// picks one.
+/// Signed heat map of test − reference, on screen (sRGB, clamped to [0,1]), of the channel with the largest
+/// |d|: blue where the test is darker, white where equal, red where brighter, dark grey where `visibility` is
+/// not covered, magenta where a side is not finite. Differences beyond the scale have its end colour.
+///
+/// W×(H + strip): the upper H rows are the map, the strip holds a colour bar with its numbers in steps of
+/// 1/255. `scale` is the value at the ends of the bar, in [0,1]; 0 takes heat_map_scale().
+/// @throws InvalidOption if sizes differ.
 Picture heat_map(const Picture& test, const Picture& reference, const Visibility& visibility, double scale);
+
+/// The scale that heat_map() picks: the first of 1, 2, 4, …, 128, 255 steps of 1/255 that is at least the
+/// 99th percentile of the covered pixels' differences.
+double heat_map_scale(const Picture& test, const Picture& reference, const Visibility& visibility);
 
 }  // namespace lambake

@@ -1,0 +1,256 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include "lambake/io/image_file.h"
+#include "lambake/report/charts.h"
+#include "lambake/report/page_assets.h"
+#include "lambake/report/report.h"
+#include "lambake/report/text.h"
+
+namespace lambake {
+namespace {
+
+std::string data_uri(const Picture& picture) {
+  return "data:image/png;base64," + base64(encode_png(picture));
+}
+
+/// `text` with each {{name}} replaced by its value. Values are not looked at again.
+std::string fill_slots(std::string_view text,
+                       const std::vector<std::pair<std::string_view, std::string_view>>& slots) {
+  std::string out;
+  while (true) {
+    const std::size_t open = text.find("{{");
+    if (open == std::string_view::npos) return out.append(text);
+    const std::size_t close = text.find("}}", open);
+    const std::string_view name = text.substr(open + 2, close - open - 2);
+    out.append(text.substr(0, open));
+    out.append(
+        std::find_if(slots.begin(), slots.end(), [&](const auto& s) { return s.first == name; })->second);
+    text.remove_prefix(close + 2);
+  }
+}
+
+/// The sentence that the page opens with, from the numbers on screen.
+std::string verdict(const Comparison& c) {
+  if (!c.verdict.empty()) return c.verdict;
+  constexpr double visible = 1.0 / 255;
+  const ImageError& image = c.image_display;
+  const double over = image.pixels == 0
+                          ? 0
+                          : static_cast<double>(image.pixels_over_1_255) / static_cast<double>(image.pixels);
+  const double largest = std::max(image.max, c.surface_display.max_sampled);
+  if (c.max_bound_display && *c.max_bound_display <= visible)
+    return fmt::format(
+        "Per-vertex lighting is enough: nowhere on the surface is it more than {} away from "
+        "per-pixel lighting, and that is certain.",
+        steps_of_255(*c.max_bound_display));
+  if (largest <= visible)
+    return fmt::format(
+        "Per-vertex lighting is enough: no place was found where it is more than 1/255 away from "
+        "per-pixel lighting; the largest difference is {}.",
+        steps_of_255(largest));
+  if (image.pixels == 0)
+    return fmt::format(
+        "Per-vertex lighting shows: it differs from per-pixel lighting by up to {} on the surface; "
+        "the picture does not show the model.",
+        steps_of_255(largest));
+  if (image.pixels_over_1_255 == 0)
+    return fmt::format(
+        "Seen from here per-vertex lighting is enough; elsewhere on the surface it differs from "
+        "per-pixel lighting by up to {}.",
+        steps_of_255(largest));
+  return fmt::format(
+      "Per-vertex lighting shows: {} of the pixels differ from per-pixel lighting by more than "
+      "1/255, the worst place by {}.",
+      percent(over), steps_of_255(largest));
+}
+
+std::string count_of(std::size_t n, std::string_view singular, std::string_view plural) {
+  return fmt::format("<b>{}</b> {}", grouped(n), n == 1 ? singular : plural);
+}
+
+std::string header(const Comparison& c) {
+  std::string html = fmt::format(
+      "<p class=\"eyebrow\">{} · light per vertex against light per pixel</p>\n<h1>{}</h1>\n<ul "
+      "class=\"facts\">\n",
+      escape_html(c.input), escape_html(verdict(c)));
+  const auto add = [&](const std::string& fact) { html += "<li>" + fact + "</li>\n"; };
+  add(count_of(c.n_vertices, "vertex", "vertices"));
+  add(count_of(c.n_triangles, "triangle", "triangles"));
+  add(count_of(c.n_lights, "light", "lights"));
+  add(fmt::format("method <b>{}</b>", escape_html(c.method)));
+  add(fmt::format("normals <b>{}</b>", escape_html(c.normals)));
+  if (c.n_triangles != c.n_scene_triangles)
+    add(fmt::format("read with {}, {}", count_of(c.n_scene_vertices, "vertex", "vertices"),
+                    count_of(c.n_scene_triangles, "triangle", "triangles")));
+  return html + "</ul>\n";
+}
+
+std::string slider_section(const Comparison& c) {
+  return fmt::format(
+      R"(<section class="slider" aria-labelledby="pictures">
+<h2 id="pictures">The two pictures</h2>
+<figure>
+<div class="stage" style="aspect-ratio: {width} / {height}">
+<img class="left" data-layer="vertex" data-name="per vertex" width="{width}" height="{height}" draggable="false" alt="{input} with the light computed at its vertices and interpolated" src="{vertex}">
+<img class="right" data-layer="fragment" data-name="per pixel" width="{width}" height="{height}" draggable="false" alt="{input} with the light computed at every pixel" src="{fragment}">
+<img data-layer="difference" data-name="difference" width="{width}" height="{height}" draggable="false" alt="" hidden>
+</div>
+<div class="tags" aria-hidden="true"><span class="tag-left">per vertex</span><span class="tag-right">per pixel</span></div>
+<input type="range" min="0" max="100" step="0.5" value="50" aria-label="Line between the two pictures">
+<fieldset class="choices" hidden>
+<legend>Compare</legend>
+<label><input type="radio" name="pair" data-left="vertex" data-right="fragment" checked>per vertex and per pixel</label>
+<label><input type="radio" name="pair" data-left="vertex" data-right="difference">per vertex and difference</label>
+<label><input type="radio" name="pair" data-left="fragment" data-right="difference">per pixel and difference</label>
+</fieldset>
+<figcaption>The same view twice. Left of the line the light was computed at the vertices and interpolated, right of it it was computed at every pixel. Drag the line, or use the arrow keys on the slider.</figcaption>
+</figure>
+</section>
+)",
+      fmt::arg("width", c.per_vertex.width), fmt::arg("height", c.per_vertex.height),
+      fmt::arg("input", escape_html(c.input)), fmt::arg("vertex", data_uri(c.per_vertex)),
+      fmt::arg("fragment", data_uri(c.per_fragment)));
+}
+
+std::string difference_section(const Comparison& c) {
+  const double scale = heat_map_scale(c.per_vertex, c.per_fragment, c.visibility);
+  const Picture map = heat_map(c.per_vertex, c.per_fragment, c.visibility, scale);
+  return fmt::format(
+      R"(<section class="columns" aria-label="The difference">
+<figure>
+<h2>Where they differ</h2>
+<div class="frame"><img id="difference" width="{width}" height="{height}" alt="Heat map of the difference between the two pictures; the scale ends at {scale}" src="{map}"></div>
+<figcaption>Per vertex minus per pixel, as a screen shows it, in the channel that differs most. Blue: per vertex is darker. White: no difference. Red: per vertex is brighter. The colours end at ±{scale}.</figcaption>
+</figure>
+<figure>
+<h2>How many pixels differ by how much</h2>
+{histogram}<figcaption>{over} of {pixels} pixels are off by more than 1/255, the smallest step of an ordinary screen. Each line upwards is ten times as many pixels.</figcaption>
+</figure>
+</section>
+)",
+      fmt::arg("width", map.width), fmt::arg("height", map.height), fmt::arg("scale", steps_of_255(scale)),
+      fmt::arg("map", data_uri(map)), fmt::arg("histogram", histogram_svg(c.image_display.histogram)),
+      fmt::arg("over", grouped(c.image_display.pixels_over_1_255)),
+      fmt::arg("pixels", grouped(c.image_display.pixels)));
+}
+
+/// One table of numbers, in one colour space.
+std::string numbers_table(const std::string& caption, const ImageError& image, const SurfaceError& surface,
+                          const std::optional<double>& max_bound, std::string (*show)(double)) {
+  std::string html = fmt::format(
+      "<table class=\"table\">\n<caption>{}</caption>\n<thead><tr><th scope=\"col\">Measure</th>"
+      "<th scope=\"col\" class=\"n\">picture</th><th scope=\"col\" "
+      "class=\"n\">surface</th></tr></thead>\n<tbody>\n",
+      caption);
+  const auto row = [&](const char* name, const char* meaning, const std::string& in_picture,
+                       const std::string& on_surface) {
+    html += fmt::format(
+        "<tr><th scope=\"row\">{}<small>{}</small></th><td class=\"n\">{}</td><td class=\"n\">{}</td></tr>\n",
+        name, meaning, in_picture, on_surface);
+  };
+  row("RMSE", "typical difference, large ones weigh more", show(image.rmse), show(surface.rmse));
+  row("Mean size", "mean of |difference|", show(image.mae), show(surface.mae));
+  row("Mean", "below 0: per vertex is darker", show(image.mean), show(surface.mean));
+  row("Largest found", "the worst pixel, the worst point met", show(image.max), show(surface.max_sampled));
+  if (max_bound) row("Largest possible", "certified: it is nowhere more", "–", show(*max_bound));
+  row("99 % are below", "by their worst channel", show(image.p99), "–");
+  row("PSNR", "20·log₁₀(1/RMSE)",
+      std::isinf(image.psnr_db) ? "∞ (equal)" : short_number(image.psnr_db) + " dB", "–");
+  return html + "</tbody>\n</table>\n";
+}
+
+std::string numbers_section(const Comparison& c) {
+  return fmt::format(
+      "<section aria-labelledby=\"numbers\">\n<h2 id=\"numbers\">The numbers</h2>\n<p class=\"soft\">The "
+      "picture shows "
+      "what one camera sees ({}); the surface is measured by area, seen from nowhere and hidden places "
+      "included. 0 is black, 1 is white.</p>\n<div class=\"columns\">\n{}{}</div>\n</section>\n",
+      c.n_views == 1 ? std::string("one view") : fmt::format("{} views taken together", c.n_views),
+      numbers_table("On screen: sRGB-encoded, clamped to 0…1; what the eye gets", c.image_display,
+                    c.surface_display, c.max_bound_display, steps_of_255),
+      numbers_table("Linear: amounts of light as computed", c.image_linear, c.surface_linear,
+                    c.max_bound_linear, short_number));
+}
+
+std::string worst_section(const Comparison& c) {
+  const std::vector<SurfacePlace>& worst = c.surface_display.worst;
+  if (worst.empty()) return {};
+  const auto vector = [](const glm::dvec3& v) {
+    return fmt::format("{}, {}, {}", short_number(v.x), short_number(v.y), short_number(v.z));
+  };
+  std::string html =
+      "<section aria-labelledby=\"worst\">\n<h2 id=\"worst\">The worst places on the surface</h2>\n"
+      "<table class=\"table worst\">\n<thead><tr><th scope=\"col\">Off by</th><th scope=\"col\">Face</th>"
+      "<th scope=\"col\">Barycentrics</th><th scope=\"col\">Position</th><th scope=\"col\">Light that causes "
+      "most of it"
+      "</th></tr></thead>\n<tbody>\n";
+  for (const SurfacePlace& place : worst)
+    html += fmt::format(
+        "<tr><th scope=\"row\" data-label=\"Off by\">{}</th><td data-label=\"Face\">{}</td>"
+        "<td data-label=\"Barycentrics\">{}</td><td data-label=\"Position\">{}</td><td "
+        "data-label=\"Light\">{}</td></tr>\n",
+        steps_of_255(place.error), place.source_face, vector(place.barycentrics), vector(place.position),
+        place.light < c.light_names.size() ? escape_html(c.light_names[place.light])
+                                           : fmt::format("light {}", place.light));
+  return html + "</tbody>\n</table>\n</section>\n";
+}
+
+std::string findings_section(const Comparison& c) {
+  std::string html =
+      "<section aria-labelledby=\"findings\">\n<h2 id=\"findings\">What was counted on reading</h2>\n";
+  std::string items;
+  for (const Finding& finding : c.findings)
+    items += fmt::format("<li><b>{}</b> {}</li>\n", grouped(finding.count), escape_html(finding.text));
+  if (c.clipped_vertices > 0)
+    items += fmt::format("<li><b>{}</b> vertices are brighter than 1 and were clipped in the file</li>\n",
+                         grouped(c.clipped_vertices));
+  if (c.seen_from_behind > 0)
+    items += fmt::format("<li><b>{}</b> pixels show the side of a face that its normal is not on</li>\n",
+                         grouped(c.seen_from_behind));
+  return html +
+         (items.empty() ? "<p>Nothing: the file is sound.</p>\n"
+                        : "<ul class=\"plain\">\n" + items + "</ul>\n") +
+         "</section>\n";
+}
+
+std::string made_section(const Comparison& c) {
+  std::string html =
+      "<section aria-labelledby=\"made\">\n<h2 id=\"made\">How this was made</h2>\n<dl class=\"made\">\n";
+  const auto row = [&](const std::string& name, const std::string& value) {
+    html += fmt::format("<dt>{}</dt><dd>{}</dd>\n", name, value);
+  };
+  row("Command", "<code>" + escape_html(c.command) + "</code>");
+  row("Version", "lambake " + escape_html(c.version));
+  std::string times;
+  double total = 0;
+  for (const auto& [stage, seconds] : c.seconds) {
+    times += fmt::format("{}{} {}", times.empty() ? "" : ", ", escape_html(stage), duration(seconds));
+    total += seconds;
+  }
+  if (!times.empty()) row("Time", fmt::format("{} ({})", duration(total), times));
+  return html + "</dl>\n</section>\n";
+}
+
+}  // namespace
+
+std::string report_page(const Comparison& c) {
+  const std::string title = escape_html(c.input) + " · lambake compare";
+  const std::string head = header(c);
+  const std::string main = slider_section(c) + difference_section(c) + numbers_section(c) + worst_section(c) +
+                           findings_section(c) + made_section(c);
+  return fill_slots(page_assets::page_html,
+                    {{"title", title},
+                     {"css", page_assets::page_css},
+                     {"js", page_assets::page_js},
+                     {"header", head},
+                     {"main", main},
+                     {"footer",
+                      "<p>Made by lambake: Lambertian light per vertex, per pixel, and the difference. "
+                      "The same numbers are in report.json.</p>\n"}});
+}
+
+}  // namespace lambake

@@ -1,0 +1,12 @@
+#pragma once
+
+#include <string_view>
+
+/// The files of report/page/, embedded when lambake is built (page/embed.cmake). Internal to the folder.
+namespace lambake::page_assets {
+
+extern const std::string_view page_html;  ///< The frame, with {{slots}}.
+extern const std::string_view page_css;
+extern const std::string_view page_js;
+
+}  // namespace lambake::page_assets

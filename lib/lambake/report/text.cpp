@@ -1,0 +1,113 @@
+#include "lambake/report/text.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+namespace lambake {
+namespace {
+
+/// Length of the UTF-8 character at the front (RFC 3629: no surrogates, no overlong forms), or 0.
+std::size_t utf8_length(std::string_view text) {
+  const auto byte = [&](std::size_t i) { return static_cast<std::uint8_t>(text[i]); };
+  const std::uint8_t first = byte(0);
+  if (first < 0x80) return 1;
+  const std::size_t length = first >= 0xF0 ? 4 : first >= 0xE0 ? 3 : 2;
+  if (first < 0xC2 || first > 0xF4 || text.size() < length) return 0;
+  std::uint8_t low = 0x80, high = 0xBF;
+  if (first == 0xE0) low = 0xA0;
+  if (first == 0xED) high = 0x9F;
+  if (first == 0xF0) low = 0x90;
+  if (first == 0xF4) high = 0x8F;
+  if (byte(1) < low || byte(1) > high) return 0;
+  for (std::size_t i = 2; i < length; ++i)
+    if (byte(i) < 0x80 || byte(i) > 0xBF) return 0;
+  return length;
+}
+
+}  // namespace
+
+std::string escape_html(std::string_view text) {
+  constexpr std::string_view replacement = "\xEF\xBF\xBD";
+  std::string out;
+  out.reserve(text.size() + text.size() / 8);
+  while (!text.empty()) {
+    const std::size_t length = utf8_length(text);
+    const char c = text.front();
+    if (length == 0 || c == 0x7F || (c >= 0 && c < 0x20 && c != '\n' && c != '\t')) {
+      out += replacement;
+    } else if (c == '&') {
+      out += "&amp;";
+    } else if (c == '<') {
+      out += "&lt;";
+    } else if (c == '>') {
+      out += "&gt;";
+    } else if (c == '"') {
+      out += "&quot;";
+    } else if (c == '\'') {
+      out += "&#39;";
+    } else {
+      out += text.substr(0, length);
+    }
+    text.remove_prefix(length == 0 ? 1 : length);
+  }
+  return out;
+}
+
+std::string base64(std::string_view bytes) {
+  constexpr std::string_view alphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string out;
+  out.reserve((bytes.size() + 2) / 3 * 4);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    std::uint32_t group = 0;
+    for (std::size_t j = 0; j < 3; ++j)
+      group = group << 8 | (i + j < bytes.size() ? static_cast<std::uint8_t>(bytes[i + j]) : 0U);
+    for (std::size_t j = 0; j < 4; ++j)
+      out += i + j <= bytes.size() ? alphabet[group >> (18 - 6 * j) & 63] : '=';
+  }
+  return out;
+}
+
+std::string grouped(std::size_t number) {
+  std::string digits = std::to_string(number);
+  for (std::ptrdiff_t i = static_cast<std::ptrdiff_t>(digits.size()) - 3; i > 0; i -= 3)
+    digits.insert(static_cast<std::size_t>(i), "\u202F");
+  return digits;
+}
+
+std::string short_number(double number) {
+  if (std::isnan(number)) return "not a number";
+  if (std::isinf(number)) return number > 0 ? "∞" : "−∞";
+  const std::string sign = number < 0 ? "−" : "";
+  const double size = std::abs(number);
+  if (size == 0) return "0";
+  if (size < 1e-3 || size >= 1e5) return sign + fmt::format("{:.2g}", size);
+  const int decimals = std::max(0, 2 - static_cast<int>(std::floor(std::log10(size))));
+  std::string text = fmt::format("{:.{}f}", size, decimals);
+  if (text.find('.') != std::string::npos) {
+    while (text.back() == '0') text.pop_back();
+    if (text.back() == '.') text.pop_back();
+  }
+  return sign + text;
+}
+
+std::string steps_of_255(double value) {
+  const double steps = value * 255;
+  if (!std::isfinite(steps) || steps == 0) return short_number(steps);
+  if (std::abs(steps) < 0.005) return "< 0.01/255";
+  return short_number(steps) + "/255";
+}
+
+std::string percent(double share) {
+  if (share > 0 && share < 0.0001) return "< 0.01 %";
+  return fmt::format("{} %", short_number(share * 100));
+}
+
+std::string duration(double seconds) {
+  return seconds < 1 ? fmt::format("{} ms", short_number(std::round(seconds * 1e5) / 100))
+                     : fmt::format("{} s", short_number(seconds));
+}
+
+}  // namespace lambake
