@@ -7,6 +7,7 @@
 #include <random>
 
 #include "lambake/core/error.h"
+#include "lambake/core/vector_path.h"
 #include "lambake/shading/lambert.h"
 
 namespace lambake {
@@ -168,12 +169,6 @@ TEST(PackedLights, ALampWithoutPositions_IsRefused) {
   const std::vector<glm::vec3> normals(4, glm::vec3(0, 1, 0));
   std::vector<LinearRgb> out(4);
   EXPECT_THROW(irradiance(pack_lights(std::vector<Light>{lamp(random)}), {}, normals, out), InvalidOption);
-}
-
-TEST(VectorPath, OneThatTheMachineLacks_IsRefused) {
-  EXPECT_THROW(choose_vector_path("abacus"), InvalidOption);
-  choose_vector_path("");
-  EXPECT_EQ(vector_path(), vector_paths().front());
 }
 
 }  // namespace

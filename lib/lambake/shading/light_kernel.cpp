@@ -199,13 +199,6 @@ static_assert(sizeof(glm::vec3) == 3 * sizeof(float) && sizeof(LinearRgb) == 3 *
 
 namespace {
 HWY_EXPORT(irradiance_of_points);
-
-std::vector<std::int64_t> runnable_targets() {
-  std::vector<std::int64_t> targets;
-  for (std::int64_t left = hwy::SupportedTargets() & HWY_TARGETS; left != 0; left &= left - 1)
-    targets.push_back(left & -left);  // Highway gives better targets lower bits
-  return targets;
-}
 }  // namespace
 
 PackedLights pack_lights(std::span<const Light> lights) {
@@ -235,27 +228,6 @@ void irradiance(const PackedLights& lights, std::span<const glm::vec3> positions
     throw InvalidOption("irradiance: expected as many positions and normals as results");
   HWY_DYNAMIC_DISPATCH(irradiance_of_points)
   (lights, lights.needs_positions ? positions.data() : nullptr, normals.data(), out.data(), out.size());
-}
-
-std::vector<std::string> vector_paths() {
-  std::vector<std::string> names;
-  for (const std::int64_t target : runnable_targets()) names.emplace_back(hwy::TargetName(target));
-  return names;
-}
-
-std::string vector_path() {
-  return vector_paths().front();
-}
-
-void choose_vector_path(const std::string& name) {
-  hwy::SetSupportedTargetsForTest(0);
-  for (const std::int64_t target : runnable_targets()) {
-    if (!name.empty() && name != hwy::TargetName(target)) continue;
-    if (!name.empty()) hwy::SetSupportedTargetsForTest(target);
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-    return;
-  }
-  throw InvalidOption("vector path: this machine has no " + name);
 }
 
 }  // namespace lambake

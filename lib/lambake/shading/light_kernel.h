@@ -3,7 +3,6 @@
 #include <cstddef>
 #include <glm/glm.hpp>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "lambake/core/color.h"
@@ -45,15 +44,5 @@ PackedLights pack_lights(std::span<const Light> lights);
 /// @param out        N, overwritten.
 void irradiance(const PackedLights& lights, std::span<const glm::vec3> positions,
                 std::span<const glm::vec3> normals, std::span<LinearRgb> out);
-
-/// The vector paths that this build has and this machine can run, best first, e.g. "AVX3", "AVX2", "SSE4".
-std::vector<std::string> vector_paths();
-
-/// The path in use.
-std::string vector_path();
-
-/// Uses one of vector_paths() from now on, for tests and benchmarks; an empty name is the best one. Not to be
-/// called while kernels run. @throws InvalidOption for a path that is not there.
-void choose_vector_path(const std::string& name);
 
 }  // namespace lambake
