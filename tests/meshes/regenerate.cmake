@@ -1,0 +1,15 @@
+# Runs the generator and expects the bytes of every committed model.
+# usage: cmake -DGENERATOR=... -DMODELS=<source>/meshes -DFOLDER=<scratch> -P regenerate.cmake
+file(REMOVE_RECURSE ${FOLDER})
+file(MAKE_DIRECTORY ${FOLDER})
+execute_process(COMMAND ${GENERATOR} ${FOLDER} COMMAND_ERROR_IS_FATAL ANY)
+file(GLOB made RELATIVE ${FOLDER} ${FOLDER}/*)
+if(NOT made)
+  message(FATAL_ERROR "${GENERATOR} made no files")
+endif()
+foreach(name IN LISTS made)
+  execute_process(COMMAND ${CMAKE_COMMAND} -E compare_files ${FOLDER}/${name} ${MODELS}/${name} RESULT_VARIABLE differs)
+  if(differs)
+    message(SEND_ERROR "meshes/${name} is not what ${GENERATOR} makes; run: build/release/generate_meshes meshes")
+  endif()
+endforeach()
