@@ -41,7 +41,7 @@ struct BakedColors {
 
 struct BakeOptions {
   BakeMethod method = BakeMethod::sample;
-  Progress progress;
+  Progress progress{};
 };
 
 /// Bakes the scene's lights into vertex colours.

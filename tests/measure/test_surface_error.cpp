@@ -1,0 +1,154 @@
+#include "lambake/measure/surface_error.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "lambake/core/parallel.h"
+#include "lambake/shading/lambert.h"
+#include "scenes.h"
+
+namespace lambake {
+namespace {
+
+double on_screen(double linear) {
+  return srgb_encode(std::clamp(linear, 0.0, 1.0));
+}
+
+struct Truth {
+  double rmse = 0, mae = 0, mean = 0, max = 0;
+};
+
+/// The same integrals by brute force: the middles of n² equal parts of every triangle, the equation straight
+/// from lambert.h.
+Truth brute_force(const Scene& scene, const BakedColors& baked, ErrorSpace space, int n) {
+  const Mesh& mesh = scene.mesh;
+  double area = 0, square = 0, absolute = 0, plain = 0;
+  Truth truth;
+  for (const glm::uvec3& t : mesh.triangles) {
+    glm::dmat3 p, normal, color, albedo(1, 1, 1, 1, 1, 1, 1, 1, 1);
+    for (int c = 0; c < 3; ++c) {
+      p[c] = mesh.positions[t[c]];
+      normal[c] = mesh.normals[t[c]];
+      const LinearRgb& baked_color = baked.colors[t[c]];
+      color[c] = {baked_color.r, baked_color.g, baked_color.b};
+      if (!mesh.colors.empty()) albedo[c] = {mesh.colors[t[c]].r, mesh.colors[t[c]].g, mesh.colors[t[c]].b};
+    }
+    const double triangle_area = 0.5 * glm::length(glm::cross(p[1] - p[0], p[2] - p[0]));
+    area += triangle_area;
+    const double weight = triangle_area / (3.0 * n * n);
+    const auto visit = [&](double i, double j) {
+      const glm::dvec3 b(1 - (i + j) / n, i / n, j / n);
+      const glm::dvec3 f = (albedo * b) * irradiance<double>(scene.lights, p * b, glm::normalize(normal * b));
+      for (int c = 0; c < 3; ++c) {
+        const double g = (color * b)[c];
+        const double e = space == ErrorSpace::linear ? g - f[c] : on_screen(g) - on_screen(f[c]);
+        square += weight * e * e, absolute += weight * std::abs(e), plain += weight * e;
+        truth.max = std::max(truth.max, std::abs(e));
+      }
+    };
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; i + j < n; ++j) {
+        visit(i + 1.0 / 3, j + 1.0 / 3);
+        if (i + j + 2 <= n) visit(i + 2.0 / 3, j + 2.0 / 3);
+      }
+  }
+  truth.rmse = std::sqrt(square / area), truth.mae = absolute / area, truth.mean = plain / area;
+  return truth;
+}
+
+TEST(SurfaceError, SmallScenes_AgreeWithBruteForceInBothSpaces) {
+  for (const NamedScene& s : small_scenes())
+    for (const ErrorSpace space : {ErrorSpace::linear, ErrorSpace::display}) {
+      SCOPED_TRACE(s.name + (space == ErrorSpace::linear ? ", linear" : ", display"));
+      const BakedColors baked = bake(s.scene, {.method = BakeMethod::sample});
+      const int n = static_cast<int>(700 / std::sqrt(static_cast<double>(s.scene.mesh.n_triangles())));
+      const Truth truth = brute_force(s.scene, baked, space, std::max(32, n));
+      const SurfaceError error = surface_error(s.scene, baked, space);
+      EXPECT_GT(truth.rmse, 1e-4);
+      // Brute force itself is good to about 3e-4 across a kink.
+      EXPECT_NEAR(error.rmse, truth.rmse, 1e-3 * truth.rmse);
+      EXPECT_NEAR(error.mae, truth.mae, 5e-3 * truth.mae);
+      EXPECT_NEAR(error.mean, truth.mean, 5e-3 * truth.mae);
+      EXPECT_GE(error.max_sampled, truth.max * 0.999);
+      EXPECT_LE(error.max_sampled, truth.max * 1.05);
+    }
+}
+
+TEST(SurfaceError, FlatFaceUnderASun_IsZero) {
+  const Scene scene = scene_of(grid(1, 1), {sun({0, 1, 0}), sun({0, -1, 0})});
+  const SurfaceError error = surface_error(scene, bake(scene, {}), ErrorSpace::display);
+  EXPECT_EQ(error.rmse, 0);
+  EXPECT_EQ(error.max_sampled, 0);
+  EXPECT_TRUE(error.worst.empty());
+  EXPECT_DOUBLE_EQ(error.area, 4);
+}
+
+TEST(SurfaceError, ConstantOffset_IsThatOffset) {
+  const Scene scene = scene_of(grid(3, 1), {sun({0, 1, 0}, {0.25f, 0.25f, 0.25f})});
+  BakedColors baked = bake(scene, {});
+  for (LinearRgb& c : baked.colors) c += {0.5f, 0.5f, 0.5f};
+  const SurfaceError error = surface_error(scene, baked, ErrorSpace::linear);
+  EXPECT_NEAR(error.rmse, 0.5, 1e-7);
+  EXPECT_NEAR(error.mae, 0.5, 1e-7);
+  EXPECT_NEAR(error.mean, 0.5, 1e-7);
+  EXPECT_NEAR(error.max_sampled, 0.5, 1e-7);
+}
+
+// The lamp over the middle of a square of half side a at height h: the light there is 1/h², at the corners
+// h/(h² + 2a²)^1.5.
+TEST(SurfaceError, QuadUnderALamp_MissesTheMiddleByTheClosedForm) {
+  for (const double h : {2.0, 1.0, 0.5}) {
+    const Scene scene = scene_of(grid(1, 1), {lamp({0, static_cast<float>(h), 0})});
+    const SurfaceError error = surface_error(scene, bake(scene, {}), ErrorSpace::linear);
+    const double missing = 1 / (h * h) - h / std::pow(h * h + 2, 1.5);
+    EXPECT_NEAR(error.max_sampled, missing, 1e-6 * missing) << "h = " << h;
+    ASSERT_FALSE(error.worst.empty());
+    EXPECT_NEAR(glm::length(error.worst[0].position), 0, 1e-3);
+  }
+}
+
+TEST(SurfaceError, WorstPlaces_NameTheirTriangleAndLight) {
+  const Scene scene = scene_of(icosphere(2), {sun({0, 1, 0}, {0.01f, 0.01f, 0.01f}), sun({1, 0, 0})});
+  const SurfaceError error = surface_error(scene, bake(scene, {}), ErrorSpace::display);
+  ASSERT_EQ(error.worst.size(), 8U);
+  EXPECT_EQ(error.max_sampled, error.worst[0].error);
+  for (std::size_t i = 0; i < error.worst.size(); ++i) {
+    const SurfacePlace& place = error.worst[i];
+    EXPECT_LE(place.error, error.worst[i > 0 ? i - 1 : 0].error);
+    EXPECT_FLOAT_EQ(error.triangle_max[place.triangle], static_cast<float>(place.error));
+  }
+  EXPECT_EQ(error.worst[0].light, 1U);
+  EXPECT_NEAR(error.worst[0].position.x, 0, 0.05) << "the terminator of the strong sun";
+}
+
+TEST(SurfaceError, EmptyAndZeroAreaAndNonFinite_CountNothing) {
+  Scene empty = scene_of(Mesh{}, {sun({0, 1, 0})});
+  EXPECT_EQ(surface_error(empty, bake(empty, {}), ErrorSpace::linear).area, 0);
+  Mesh mesh = grid(1, 1);
+  mesh.positions.push_back({NAN, 0, 0});
+  mesh.normals.clear();
+  mesh.texcoords = {};
+  mesh.triangles.push_back({0, 1, 4});
+  mesh.triangles.push_back({0, 1, 1});
+  const Scene scene = scene_of(mesh, {lamp({0, 1, 0})});
+  const SurfaceError error = surface_error(scene, bake(scene, {}), ErrorSpace::linear);
+  EXPECT_DOUBLE_EQ(error.area, 4);
+  EXPECT_TRUE(std::isfinite(error.rmse));
+}
+
+TEST(SurfaceError, OneAndTwoThreads_GiveTheSameBits) {
+  const Scene scene = scene_of(icosphere(3), {sun({0.4f, 1, 0.3f}), lamp({1.2f, 0.5f, 0})});
+  const BakedColors baked = bake(scene, {});
+  set_thread_count(1);
+  const SurfaceError one = surface_error(scene, baked, ErrorSpace::display);
+  set_thread_count(0);
+  const SurfaceError all = surface_error(scene, baked, ErrorSpace::display);
+  EXPECT_EQ(one.rmse, all.rmse);
+  EXPECT_EQ(one.mean, all.mean);
+  EXPECT_EQ(one.max_sampled, all.max_sampled);
+  EXPECT_EQ(one.triangle_rmse, all.triangle_rmse);
+}
+
+}  // namespace
+}  // namespace lambake
