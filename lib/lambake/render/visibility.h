@@ -18,7 +18,8 @@ inline constexpr std::uint32_t no_triangle = std::numeric_limits<std::uint32_t>:
 /// A triangle covers a pixel if the centre is inside, by the top-left rule on its edges: triangles that share
 /// an edge cover each pixel exactly once. Triangles are clipped at the near (and far) plane. Single-sided
 /// materials are not seen from behind; pixels whose texture opacity is below the cutoff of an AlphaMode::mask
-/// material show what is behind.
+/// material show what is behind; AlphaMode::blend is drawn as opaque. Triangles with a vertex that is not
+/// finite are not drawn. At equal depth the lower triangle index is seen.
 struct Visibility {
   std::uint32_t width = 0, height = 0;
   std::vector<std::uint32_t> triangles;  ///< W·H indices of triangles, or no_triangle.
@@ -29,7 +30,8 @@ struct Visibility {
 
 /// @param scene   for the materials (sidedness, masks); its own mesh is not used.
 /// @param mesh    what is drawn: the scene's, or one made by baking.
-/// Deterministic for any number of threads.
+/// @param width,height  1 to 16384. @throws InvalidOption for another size or a camera out of its range.
+/// Vertices are snapped to 1/256 pixel. Deterministic for any number of threads.
 Visibility find_visibility(const Scene& scene, const Mesh& mesh, const Camera& camera, std::uint32_t width,
                            std::uint32_t height);
 

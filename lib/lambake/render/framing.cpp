@@ -1,0 +1,70 @@
+#include "lambake/render/framing.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/gtc/constants.hpp>
+
+#include "lambake/core/error.h"
+
+namespace lambake {
+namespace {
+
+constexpr float default_vertical_fov_rad = 0.6f;
+/// Share of the distance to what is looked at. Depths are compared as reciprocals, so a near plane close to
+/// the eye costs no precision.
+constexpr double near_share = 1e-4;
+
+/// Camera at `eye` that looks along `forward` (unit).
+Camera aim(const glm::dvec3& eye, const glm::dvec3& forward, double distance, float vertical_fov_rad) {
+  const bool is_vertical = std::abs(forward.y) > 0.9999;
+  const glm::dvec3 up = is_vertical ? glm::dvec3(0, 0, 1) : glm::dvec3(0, 1, 0);
+  const glm::dvec3 right = glm::normalize(glm::cross(forward, up));
+  Camera camera;
+  camera.vertical_fov_rad = vertical_fov_rad;
+  camera.near_distance = static_cast<float>(distance * near_share);
+  camera.world_from_camera =
+      glm::mat4(glm::dmat4(glm::dvec4(right, 0), glm::dvec4(glm::cross(right, forward), 0),
+                           glm::dvec4(-forward, 0), glm::dvec4(eye, 1)));
+  return camera;
+}
+
+Camera frame_from(const Bounds& bounds, float aspect, double turn_rad) {
+  const glm::dvec3 center = bounds.is_empty() ? glm::dvec3(0) : glm::dvec3(bounds.center());
+  const double radius = bounds.radius() > 0 ? double(bounds.radius()) : 1.0;
+  const double half_height = std::tan(0.5 * double(default_vertical_fov_rad));
+  const double half_angle = std::atan(half_height * std::min(1.0, double(aspect)));
+  constexpr double margin = 1.02;  // a little air, and more than what rounding of the eye to float takes
+  const double distance = margin * radius / std::sin(half_angle);
+  const double turn = 0.5 + turn_rad;
+  const glm::dvec3 towards_eye = glm::normalize(glm::dvec3(std::sin(turn), 0.35, std::cos(turn)));
+  return aim(center + distance * towards_eye, -towards_eye, distance, default_vertical_fov_rad);
+}
+
+}  // namespace
+
+Camera frame(const Bounds& bounds, float aspect) {
+  return frame_from(bounds, aspect, 0);
+}
+
+std::vector<Camera> frame_around(const Bounds& bounds, float aspect, std::size_t n_views) {
+  std::vector<Camera> cameras;
+  for (std::size_t i = 0; i < n_views; ++i)
+    cameras.push_back(frame_from(
+        bounds, aspect, glm::two_pi<double>() * static_cast<double>(i) / static_cast<double>(n_views)));
+  return cameras;
+}
+
+Camera look_at(const glm::vec3& eye, const glm::vec3& target, float vertical_fov_rad) {
+  if (!(vertical_fov_rad > 0 && vertical_fov_rad < glm::pi<float>()))
+    throw InvalidOption(fmt::format("camera: expected an angle between 0 and 180 degrees, found {}",
+                                    double(vertical_fov_rad) * 180 / glm::pi<double>()));
+  const glm::dvec3 offset = glm::dvec3(target) - glm::dvec3(eye);
+  const double distance = glm::length(offset);
+  if (!(distance > 0) || !std::isfinite(distance))
+    throw InvalidOption("camera: eye and target must be finite and differ");
+  return aim(glm::dvec3(eye), offset / distance, distance, vertical_fov_rad);
+}
+
+}  // namespace lambake

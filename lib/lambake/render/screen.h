@@ -1,0 +1,69 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "lambake/render/view_transform.h"
+
+/// From the camera's space to vertices on the subpixel grid; internal to the folder.
+namespace lambake {
+
+/// Positions on the screen are snapped to 1/256 pixel: from there coverage is integer arithmetic, so
+/// triangles that share an edge cover each pixel exactly once.
+inline constexpr int subpixel_bits = 8;
+inline constexpr std::int32_t subpixels = 1 << subpixel_bits;
+
+/// Largest width and height of a picture, and how far beyond it triangles may reach before they are clipped.
+/// With both, edge functions fit 64 bits, and 32 bits within a tile (raster_tile.cpp).
+inline constexpr std::uint32_t max_picture_side = 16384;
+inline constexpr double guard_band_pixels = 8192;
+
+/// A vertex on the screen.
+struct ScreenVertex {
+  std::int32_t x = 0, y = 0;  ///< In subpixels.
+  float nearness = 0;  ///< Greater is nearer, linear on the screen: 1/depth, or −depth (orthographic).
+  std::uint32_t outcode = 0;  ///< Bits of `Outcode`.
+};
+
+enum Outcode : std::uint32_t {
+  left_of_picture = 1,
+  right_of_picture = 2,
+  above_picture = 4,
+  below_picture = 8,
+  too_near = 16,
+  too_far = 32,
+  beyond_guard_band = 64,  ///< Or too near: x and y are not set.
+  not_finite = 128,
+};
+/// A triangle with one of these at all three vertices is not seen.
+inline constexpr std::uint32_t unseen_if_common =
+    left_of_picture | right_of_picture | above_picture | below_picture | too_near | too_far;
+/// A triangle with one of these at any vertex must be clipped.
+inline constexpr std::uint32_t clipped_if_any = too_near | too_far | beyond_guard_band;
+
+struct ScreenTriangle {
+  ScreenVertex v[3];
+};
+
+/// Maps and clips for one camera and picture size.
+class Screen {
+ public:
+  Screen(const Camera& camera, std::uint32_t width, std::uint32_t height);
+
+  const ViewTransform& view() const { return view_; }
+
+  ScreenVertex vertex(const glm::vec3& world) const;
+
+  /// Clips a triangle at the near and far planes and the guard band, and appends the pieces, which keep its
+  /// orientation. Clip points on an edge come out the same from both of the triangles that share it.
+  void clip(const glm::vec3 (&world)[3], std::vector<ScreenTriangle>& pieces) const;
+
+ private:
+  ScreenVertex snapped(const ClipPoint& point) const;
+
+  ViewTransform view_;
+  double near_, far_;  // far_ is infinity where the camera has none
+  double width_, height_;
+};
+
+}  // namespace lambake

@@ -1,0 +1,268 @@
+#include "lambake/render/visibility.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "lambake/core/error.h"
+#include "lambake/core/parallel.h"
+#include "lambake/render/raster_tile.h"
+#include "lambake/render/ray_hit.h"
+#include "lambake/render/screen.h"
+#include "lambake/shading/texture.h"
+
+namespace lambake {
+namespace {
+
+constexpr std::size_t vertex_block = 8192;
+constexpr std::size_t triangle_block = 16384;
+constexpr std::uint32_t is_piece = 0x80000000u;  // of a bin's entry: the rest counts the block's pieces
+
+/// The triangles of one block that may touch each tile.
+struct Bins {
+  std::vector<std::uint32_t> begin;    ///< Tiles + 1 offsets into `entries`.
+  std::vector<std::uint32_t> entries;  ///< Triangles (or pieces of clipped ones), ascending in each tile.
+  std::vector<ScreenTriangle> pieces;
+  std::vector<std::uint32_t> piece_triangles;  ///< The triangle of each piece.
+};
+
+/// Tiles of the picture, in reading order.
+struct TileGrid {
+  std::uint32_t width, height, columns, rows;
+
+  TileGrid(std::uint32_t w, std::uint32_t h)
+      : width(w),
+        height(h),
+        columns((w + tile_side - 1) / tile_side),
+        rows((h + tile_side - 1) / tile_side) {}
+  std::size_t n_tiles() const { return std::size_t{columns} * rows; }
+};
+
+/// The tiles that a triangle's box touches, ends included; none where it holds no pixel's centre.
+struct TileRange {
+  std::int32_t column_begin = 0, row_begin = 0, column_last = -1, row_last = -1;
+};
+
+TileRange tiles_touched(const ScreenVertex& a, const ScreenVertex& b, const ScreenVertex& c,
+                        const TileGrid& grid) {
+  const auto pixel_from = [](std::int32_t s) { return (s + subpixels / 2 - 1) >> subpixel_bits; };
+  const auto pixel_to = [](std::int32_t s) { return (s - subpixels / 2) >> subpixel_bits; };
+  const std::int32_t x_begin = std::max(0, pixel_from(std::min({a.x, b.x, c.x})));
+  const std::int32_t y_begin = std::max(0, pixel_from(std::min({a.y, b.y, c.y})));
+  const std::int32_t x_last =
+      std::min(static_cast<std::int32_t>(grid.width) - 1, pixel_to(std::max({a.x, b.x, c.x})));
+  const std::int32_t y_last =
+      std::min(static_cast<std::int32_t>(grid.height) - 1, pixel_to(std::max({a.y, b.y, c.y})));
+  if (x_begin > x_last || y_begin > y_last) return {};
+  return {x_begin / tile_side, y_begin / tile_side, x_last / tile_side, y_last / tile_side};
+}
+
+/// Counter-clockwise on the screen (whose y points down): seen from outside.
+bool is_front(const ScreenVertex& a, const ScreenVertex& b, const ScreenVertex& c) {
+  return (std::int64_t(b.x) - a.x) * (std::int64_t(c.y) - a.y) <
+         (std::int64_t(b.y) - a.y) * (std::int64_t(c.x) - a.x);
+}
+
+/// One picture being made.
+class VisibilityPass {
+ public:
+  VisibilityPass(const Scene& scene, const Mesh& mesh, const Camera& camera, Visibility& out)
+      : scene_(scene),
+        mesh_(mesh),
+        screen_(camera, out.width, out.height),
+        grid_(out.width, out.height),
+        out_(out) {
+    for (const Material& m : scene.materials) has_masks_ |= m.alpha_mode == AlphaMode::mask;
+  }
+
+  void run() {
+    vertices_.resize(mesh_.n_vertices());
+    parallel_blocks(mesh_.n_vertices(), vertex_block, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t v = begin; v < end; ++v) vertices_[v] = screen_.vertex(mesh_.positions[v]);
+    });
+    bins_.resize((mesh_.n_triangles() + triangle_block - 1) / triangle_block);
+    parallel_blocks(mesh_.n_triangles(), triangle_block, [&](std::size_t begin, std::size_t end) {
+      bins_[begin / triangle_block] = bin_triangles(begin, end);
+    });
+    std::vector<std::size_t> n_covered(grid_.n_tiles());
+    parallel_blocks(grid_.n_tiles(), 1,
+                    [&](std::size_t tile, std::size_t) { n_covered[tile] = draw_tile(tile); });
+    for (const std::size_t n : n_covered) out_.n_covered += n;
+  }
+
+ private:
+  Bins bin_triangles(std::size_t begin, std::size_t end) const;
+  std::size_t draw_tile(std::size_t tile_index) const;
+  bool is_opaque_at(std::uint32_t triangle, std::uint32_t x, std::uint32_t y) const;
+  RayHit hit(std::uint32_t triangle, const PixelRay& ray) const {
+    const glm::uvec3& t = mesh_.triangles[triangle];
+    return hit_triangle(ray, mesh_.positions[t[0]], mesh_.positions[t[1]], mesh_.positions[t[2]]);
+  }
+
+  const Scene& scene_;
+  const Mesh& mesh_;
+  Screen screen_;
+  TileGrid grid_;
+  Visibility& out_;
+  bool has_masks_ = false;
+  std::vector<ScreenVertex> vertices_;  ///< V.
+  std::vector<Bins> bins_;              ///< One per block of triangles.
+};
+
+Bins VisibilityPass::bin_triangles(std::size_t begin, std::size_t end) const {
+  struct Placed {
+    std::uint32_t entry;
+    TileRange tiles;
+  };
+  Bins bins;
+  std::vector<Placed> placed;
+  placed.reserve(end - begin);
+  bins.begin.assign(grid_.n_tiles() + 2, 0);
+  const auto place = [&](const ScreenVertex& a, const ScreenVertex& b, const ScreenVertex& c,
+                         std::uint32_t entry, bool is_double_sided) {
+    const TileRange tiles = tiles_touched(a, b, c, grid_);
+    if (tiles.row_begin > tiles.row_last || (!is_double_sided && !is_front(a, b, c))) return;
+    placed.push_back({entry, tiles});
+    for (std::int32_t row = tiles.row_begin; row <= tiles.row_last; ++row)
+      for (std::int32_t column = tiles.column_begin; column <= tiles.column_last; ++column)
+        ++bins.begin[static_cast<std::size_t>(row) * grid_.columns + static_cast<std::size_t>(column) + 2];
+  };
+
+  for (std::size_t f = begin; f < end; ++f) {
+    const glm::uvec3& t = mesh_.triangles[f];
+    const ScreenVertex &a = vertices_[t[0]], &b = vertices_[t[1]], &c = vertices_[t[2]];
+    const std::uint32_t any = a.outcode | b.outcode | c.outcode;
+    if ((a.outcode & b.outcode & c.outcode & unseen_if_common) != 0 || (any & not_finite) != 0) continue;
+    const bool is_double_sided = scene_.materials[mesh_.material_of(f)].is_double_sided;
+    const std::uint32_t triangle = static_cast<std::uint32_t>(f);
+    if ((any & clipped_if_any) == 0) {
+      place(a, b, c, triangle, is_double_sided);
+      continue;
+    }
+    const std::size_t first = bins.pieces.size();
+    screen_.clip({mesh_.positions[t[0]], mesh_.positions[t[1]], mesh_.positions[t[2]]}, bins.pieces);
+    bins.piece_triangles.resize(bins.pieces.size(), triangle);
+    for (std::size_t i = first; i < bins.pieces.size(); ++i) {
+      const auto& v = bins.pieces[i].v;
+      place(v[0], v[1], v[2], is_piece | static_cast<std::uint32_t>(i), is_double_sided);
+    }
+  }
+
+  for (std::size_t i = 2; i < bins.begin.size(); ++i) bins.begin[i] += bins.begin[i - 1];
+  bins.entries.resize(bins.begin.back());
+  for (const Placed& p : placed)
+    for (std::int32_t row = p.tiles.row_begin; row <= p.tiles.row_last; ++row)
+      for (std::int32_t column = p.tiles.column_begin; column <= p.tiles.column_last; ++column)
+        bins.entries[bins.begin[static_cast<std::size_t>(row) * grid_.columns +
+                                static_cast<std::size_t>(column) + 1]++] = p.entry;
+  bins.begin.pop_back();
+  return bins;
+}
+
+/// Draws all that touches a tile, then finds where the pixels' rays hit. Returns the number of covered
+/// pixels.
+std::size_t VisibilityPass::draw_tile(std::size_t tile_index) const {
+  Tile tile;
+  tile.x = static_cast<std::int32_t>(tile_index % grid_.columns) * tile_side;
+  tile.y = static_cast<std::int32_t>(tile_index / grid_.columns) * tile_side;
+  tile.width = std::min(tile_side, static_cast<int>(grid_.width) - tile.x);
+  tile.height = std::min(tile_side, static_cast<int>(grid_.height) - tile.y);
+  tile.clear();
+
+  const PixelTest everywhere;
+  const PixelTest where_opaque = [this](std::uint32_t triangle, std::uint32_t x, std::uint32_t y) {
+    return is_opaque_at(triangle, x, y);
+  };
+  for (const Bins& bins : bins_)
+    for (std::uint32_t i = bins.begin[tile_index]; i < bins.begin[tile_index + 1]; ++i) {
+      const std::uint32_t entry = bins.entries[i];
+      const bool is_clipped = (entry & is_piece) != 0;
+      const std::uint32_t triangle = is_clipped ? bins.piece_triangles[entry & ~is_piece] : entry;
+      const bool has_mask =
+          has_masks_ && scene_.materials[mesh_.material_of(triangle)].alpha_mode == AlphaMode::mask;
+      const PixelTest& is_drawn = has_mask ? where_opaque : everywhere;
+      if (is_clipped) {
+        const auto& v = bins.pieces[entry & ~is_piece].v;
+        raster_triangle(v[0], v[1], v[2], triangle, is_drawn, tile);
+      } else {
+        const glm::uvec3& t = mesh_.triangles[triangle];
+        raster_triangle(vertices_[t[0]], vertices_[t[1]], vertices_[t[2]], triangle, is_drawn, tile);
+      }
+    }
+
+  std::size_t n_covered = 0;
+  for (int j = 0; j < tile.height; ++j)
+    for (int i = 0; i < tile.width; ++i) {
+      const std::uint32_t triangle = tile.triangles[static_cast<std::size_t>(j * tile_side + i)];
+      if (triangle == no_triangle) continue;
+      const std::uint32_t x = static_cast<std::uint32_t>(tile.x + i),
+                          y = static_cast<std::uint32_t>(tile.y + j);
+      const std::size_t pixel = std::size_t{y} * out_.width + x;
+      const RayHit at = hit(triangle, screen_.view().pixel_ray(x, y));
+      out_.triangles[pixel] = triangle;
+      out_.barycentrics[pixel] = glm::vec2(at.barycentrics);
+      out_.depths[pixel] = static_cast<float>(at.depth);
+      ++n_covered;
+    }
+  return n_covered;
+}
+
+bool VisibilityPass::is_opaque_at(std::uint32_t triangle, std::uint32_t x, std::uint32_t y) const {
+  const Material& material = scene_.materials[mesh_.material_of(triangle)];
+  const glm::vec2 b(hit(triangle, screen_.view().pixel_ray(x, y)).barycentrics);
+  const glm::uvec3& t = mesh_.triangles[triangle];
+  const auto interpolated = [&](const auto& values) {
+    return values[t[0]] + b.x * (values[t[1]] - values[t[0]]) + b.y * (values[t[2]] - values[t[0]]);
+  };
+  float opacity = material.opacity;
+  if (!mesh_.opacities.empty()) opacity *= interpolated(mesh_.opacities);
+  if (material.base_color_texture != no_texture) {
+    const Texture& texture = scene_.textures[material.base_color_texture];
+    const auto& texcoords = mesh_.texcoords[static_cast<std::size_t>(texture.texcoord_set)];
+    if (!texcoords.empty()) opacity *= sample_texture(scene_, texture, interpolated(texcoords)).a;
+  }
+  return opacity >= material.alpha_cutoff;
+}
+
+void check_camera(const Camera& camera) {
+  const glm::dmat4 m(camera.world_from_camera);
+  bool is_usable = std::isfinite(camera.near_distance) && std::isfinite(camera.far_distance);
+  for (int i = 0; i < 4; ++i)
+    for (int j = 0; j < 4; ++j) is_usable &= std::isfinite(m[i][j]);
+  if (!is_usable) throw InvalidOption("camera: a number is not finite");
+  if (!(std::abs(glm::determinant(glm::dmat3(m))) > 1e-6))
+    throw InvalidOption("camera: its axes do not span the space");
+  if (camera.projection == Projection::perspective) {
+    if (!(camera.vertical_fov_rad > 0 && camera.vertical_fov_rad < 3.14159f))
+      throw InvalidOption("camera: expected an angle between 0 and 180 degrees");
+    if (!(camera.near_distance > 0)) throw InvalidOption("camera: the near plane must lie before the eye");
+  } else if (!(camera.half_height > 0) || !std::isfinite(camera.half_height)) {
+    throw InvalidOption("camera: the height of an orthographic view must be greater than 0");
+  }
+}
+
+}  // namespace
+
+Visibility find_visibility(const Scene& scene, const Mesh& mesh, const Camera& camera, std::uint32_t width,
+                           std::uint32_t height) {
+  if (width == 0 || height == 0 || width > max_picture_side || height > max_picture_side)
+    throw InvalidOption(
+        fmt::format("picture: expected 1 to {} pixels a side, found {}x{}", max_picture_side, width, height));
+  if (mesh.n_triangles() >= is_piece)
+    throw InvalidScene(
+        fmt::format("render: expected less than 2^31 triangles, found {}", mesh.n_triangles()));
+  check_camera(camera);
+  Visibility out;
+  out.width = width;
+  out.height = height;
+  const std::size_t n = std::size_t{width} * height;
+  out.triangles.assign(n, no_triangle);
+  out.barycentrics.assign(n, glm::vec2(0));
+  out.depths.assign(n, std::numeric_limits<float>::infinity());
+  VisibilityPass(scene, mesh, camera, out).run();
+  return out;
+}
+
+}  // namespace lambake

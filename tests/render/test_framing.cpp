@@ -1,0 +1,81 @@
+#include "lambake/render/framing.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "lambake/core/error.h"
+
+namespace lambake {
+namespace {
+
+/// Smallest angle between a side of the view and the sphere, as seen from the eye; negative: it is cut off.
+double angle_left(const Camera& camera, const glm::dvec3& center, double radius, double aspect) {
+  const glm::dvec3 c(glm::inverse(glm::dmat4(camera.world_from_camera)) * glm::dvec4(center, 1));
+  const double distance = glm::length(c);
+  const double half_y = 0.5 * double(camera.vertical_fov_rad), half_x = std::atan(std::tan(half_y) * aspect);
+  double least = 10;
+  for (const double sign : {-1.0, 1.0}) {
+    least = std::min(least, half_x - std::atan2(sign * c.x, -c.z) - std::asin(radius / distance));
+    least = std::min(least, half_y - std::atan2(sign * c.y, -c.z) - std::asin(radius / distance));
+  }
+  return least;
+}
+
+TEST(Framing, AnyAspectAndScale_SeesTheWholeSphereAndLittleElse) {
+  for (const float aspect : {0.25f, 1.0f, 1.7778f, 4.0f})
+    for (const float scale : {1e-9f, 1.0f, 1e9f}) {
+      const Bounds bounds{glm::vec3(1, 2, 3) * scale, glm::vec3(2, 5, 4) * scale};
+      for (const Camera& camera : frame_around(bounds, aspect, 5)) {
+        const double left = angle_left(camera, bounds.center(), bounds.radius(), aspect);
+        EXPECT_GT(left, 0) << aspect;
+        EXPECT_LT(left, 0.02) << aspect;
+        const glm::vec3 eye(camera.world_from_camera[3]);
+        EXPECT_LT(camera.near_distance, glm::length(eye - bounds.center()) - bounds.radius());
+        EXPECT_GT(camera.near_distance, 0);
+        EXPECT_GT(camera.world_from_camera[1].y, 0.5f);  // upright
+      }
+    }
+}
+
+TEST(Framing, FirstOfTheViewsAround_IsTheFramedOne) {
+  const Bounds bounds{{0, 0, 0}, {1, 1, 1}};
+  const std::vector<Camera> views = frame_around(bounds, 1.5f, 4);
+  ASSERT_EQ(views.size(), 4u);
+  EXPECT_EQ(views[0].world_from_camera, frame(bounds, 1.5f).world_from_camera);
+  const glm::vec3 towards_first(views[0].world_from_camera[2]), towards_third(views[2].world_from_camera[2]);
+  EXPECT_NEAR(towards_third.x, -towards_first.x, 1e-6f);
+  EXPECT_NEAR(towards_third.y, towards_first.y, 1e-6f);
+}
+
+TEST(Framing, EmptyOrPointBounds_GiveAFiniteCamera) {
+  for (const Bounds& bounds : {Bounds{}, Bounds{{2, 2, 2}, {2, 2, 2}}})
+    for (int i = 0; i < 4; ++i)
+      for (int j = 0; j < 4; ++j) EXPECT_TRUE(std::isfinite(frame(bounds, 1).world_from_camera[i][j]));
+}
+
+TEST(LookAt, AnyDirection_MapsTheTargetToTheMiddleAndKeepsLengths) {
+  const glm::vec3 target(1, 2, 3);
+  for (const glm::vec3& eye : {glm::vec3(4, 5, 6), glm::vec3(1, 9, 3), glm::vec3(1, -9, 3)}) {
+    const Camera camera = look_at(eye, target, 0.7f);
+    const glm::dmat4 to_camera = glm::inverse(glm::dmat4(camera.world_from_camera));
+    const glm::dvec3 seen(to_camera * glm::dvec4(target, 1));
+    EXPECT_NEAR(seen.x, 0, 1e-6);
+    EXPECT_NEAR(seen.y, 0, 1e-6);
+    EXPECT_NEAR(seen.z, -glm::length(eye - target), 1e-5);
+    EXPECT_NEAR(glm::determinant(to_camera), 1, 1e-6);
+  }
+}
+
+TEST(LookAt, NoDirectionOrNoAngle_Throws) {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_THROW(look_at({1, 2, 3}, {1, 2, 3}, 0.7f), InvalidOption);
+  EXPECT_THROW(look_at({nan, 2, 3}, {1, 2, 3}, 0.7f), InvalidOption);
+  EXPECT_THROW(look_at({0, 0, 1}, {0, 0, 0}, 0), InvalidOption);
+  EXPECT_THROW(look_at({0, 0, 1}, {0, 0, 0}, 3.2f), InvalidOption);
+  EXPECT_THROW(look_at({0, 0, 1}, {0, 0, 0}, nan), InvalidOption);
+}
+
+}  // namespace
+}  // namespace lambake
