@@ -19,6 +19,7 @@ inline Comparison small_comparison() {
   c.n_triangles = c.n_scene_triangles = 2464;
   c.n_lights = 2;
   c.light_names = {"sun 1", "lamp 2 (desk)"};
+  c.light_shares = {{0.75, 0.1}, {0.25, 0.9}};
   constexpr std::uint32_t width = 64, height = 48;
   c.per_vertex = c.per_fragment = {width, height, std::vector<LinearRgb>(width * height)};
   c.visibility.width = width;

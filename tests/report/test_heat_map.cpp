@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "lambake/core/error.h"
+#include "lambake/report/difference.h"
 #include "lambake/report/report.h"
 #include "report/test_comparison.h"
 
@@ -104,6 +105,19 @@ TEST(HeatMap, SizesThatDiffer_Throw) {
   const Row two({0, 0}), one({0});
   EXPECT_THROW(heat_map(two.test, one.reference, two.visibility, 0), InvalidOption);
   EXPECT_THROW(heat_map(two.test, two.reference, one.visibility, 0), InvalidOption);
+}
+
+TEST(WorstPixels, LargestFirst_ApartFromEachOther_NoneThatDoesNotShow) {
+  std::vector<float> d(100, 0.0f);  // 10×10
+  d[33] = 0.5f, d[34] = -0.6f, d[88] = 0.2f, d[9] = 0.5f / 255, d[50] = NAN;
+  const std::vector<WorstPixel> worst = worst_pixels(d, 10, 4, 3);
+  ASSERT_EQ(worst.size(), 2U);
+  EXPECT_EQ(worst[0].x, 4U);
+  EXPECT_EQ(worst[0].y, 3U);
+  EXPECT_EQ(worst[0].difference, -0.6f);
+  EXPECT_EQ(worst[1].x, 8U);
+  EXPECT_EQ(worst[1].y, 8U);
+  EXPECT_EQ(worst_pixels(d, 10, 1, 3).size(), 1U);
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 
 #include "lambake/core/finding.h"
 #include "lambake/measure/image_error.h"
+#include "lambake/measure/light_share.h"
 #include "lambake/measure/surface_error.h"
 #include "lambake/scene/picture.h"
 
@@ -22,6 +23,7 @@ struct Comparison {
   std::size_t n_vertices = 0, n_triangles = 0, n_lights = 0;  ///< Of the mesh that carries the colours.
   std::size_t n_scene_vertices = 0, n_scene_triangles = 0;    ///< Before the method added any.
   std::vector<std::string> light_names;  ///< One per light, for people: "sun 1", "lamp 2 (desk)".
+  std::vector<LightShare> light_shares;  ///< One per light, or none.
   std::size_t clipped_vertices = 0;
   std::size_t seen_from_behind = 0;  ///< Pixels.
   ImageError image_linear, image_display;

@@ -2,66 +2,17 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstdint>
 #include <string_view>
 
-#include "lambake/core/error.h"
-#include "lambake/core/parallel.h"
+#include "lambake/report/difference.h"
 #include "lambake/report/report.h"
 
 namespace lambake {
 namespace {
 
-/// The colours of the map, sRGB 8 bit. Blue and red get darker alike on both sides of white: the sign reads
-/// with red-green blindness too, the size reads in black and white.
-constexpr std::array<std::array<double, 3>, 9> diverging = {{{8, 48, 107},
-                                                             {33, 102, 172},
-                                                             {67, 147, 195},
-                                                             {146, 197, 222},
-                                                             {247, 247, 247},
-                                                             {244, 165, 130},
-                                                             {214, 96, 77},
-                                                             {178, 24, 43},
-                                                             {103, 0, 13}}};
-constexpr Srgb8 uncovered{58, 60, 66};
-constexpr Srgb8 nonfinite{255, 0, 255};
 constexpr Srgb8 strip_color{24, 25, 28};
 constexpr Srgb8 ink{236, 236, 232};
-
-/// t in [−1, 1]: −1 darker, 1 brighter.
-LinearRgb diverging_color(double t) {
-  const double at = (std::clamp(t, -1.0, 1.0) + 1) / 2 * (diverging.size() - 1);
-  const auto low = std::min(static_cast<std::size_t>(at), diverging.size() - 2);
-  const double f = at - static_cast<double>(low);
-  std::array<float, 3> linear;
-  for (std::size_t c = 0; c < 3; ++c)
-    linear[c] =
-        static_cast<float>(srgb_decode(((1 - f) * diverging[low][c] + f * diverging[low + 1][c]) / 255));
-  return {linear[0], linear[1], linear[2]};
-}
-
-double on_screen(float linear) {
-  return srgb_encode(std::clamp(static_cast<double>(linear), 0.0, 1.0));
-}
-
-/// test − reference on screen, of the channel with the largest |d|; NaN where a side is not finite.
-double largest_difference(const LinearRgb& test, const LinearRgb& reference) {
-  if (!is_finite(test) || !is_finite(reference)) return NAN;
-  const double d[3] = {on_screen(test.r) - on_screen(reference.r), on_screen(test.g) - on_screen(reference.g),
-                       on_screen(test.b) - on_screen(reference.b)};
-  return *std::max_element(d, d + 3, [](double a, double b) { return std::abs(a) < std::abs(b); });
-}
-
-void check_sizes(const Picture& test, const Picture& reference, const Visibility& visibility) {
-  const auto is_same = [&](std::uint32_t width, std::uint32_t height) {
-    return test.width == width && test.height == height;
-  };
-  if (!is_same(reference.width, reference.height) || !is_same(visibility.width, visibility.height))
-    throw InvalidOption(fmt::format("heat map: expected pictures of {}x{}, found {}x{} and {}x{}", test.width,
-                                    test.height, reference.width, reference.height, visibility.width,
-                                    visibility.height));
-}
 
 /// Letters of 5×7 dots, a row a number, the leftmost dot its highest bit.
 struct Glyph {
@@ -148,42 +99,17 @@ void draw_bar(Picture& picture, int top, int dot, double scale) {
 }  // namespace
 
 double heat_map_scale(const Picture& test, const Picture& reference, const Visibility& visibility) {
-  check_sizes(test, reference, visibility);
-  std::vector<double> sizes;
-  sizes.reserve(visibility.n_covered);
-  for (std::size_t i = 0; i < test.pixels.size(); ++i) {
-    if (visibility.triangles[i] == no_triangle) continue;
-    const double d = std::abs(largest_difference(test.pixels[i], reference.pixels[i]));
-    if (std::isfinite(d)) sizes.push_back(d);
-  }
-  double p99 = 0;
-  if (!sizes.empty()) {
-    const auto at = sizes.begin() + static_cast<std::ptrdiff_t>((sizes.size() - 1) * 99 / 100);
-    std::nth_element(sizes.begin(), at, sizes.end());
-    p99 = *at;
-  }
-  for (const double steps : {1, 2, 4, 8, 16, 32, 64, 128})
-    if (p99 <= steps / 255) return steps / 255;
-  return 1;
+  return scale_of(screen_difference(test, reference, visibility), visibility);
 }
 
 Picture heat_map(const Picture& test, const Picture& reference, const Visibility& visibility, double scale) {
-  check_sizes(test, reference, visibility);
-  if (!(scale > 0)) scale = heat_map_scale(test, reference, visibility);
-  // One dot of the letters per 480 pixels of the smaller side, so that they read at every size.
-  const int dot = std::max(1, static_cast<int>((std::min(test.width, test.height) + 240) / 480));
-  Picture map{test.width, test.height + static_cast<std::uint32_t>(33 * dot), {}};
+  const std::vector<float> differences = screen_difference(test, reference, visibility);
+  if (!(scale > 0)) scale = scale_of(differences, visibility);
+  // One dot of the letters per 300 pixels of the smaller side, so that they read at every size.
+  const int dot = std::max(1, static_cast<int>((std::min(test.width, test.height) + 150) / 300));
+  Picture map = color_difference(differences, visibility, scale);
+  map.height += static_cast<std::uint32_t>(33 * dot);
   map.pixels.resize(static_cast<std::size_t>(map.width) * map.height);
-  parallel_blocks(test.pixels.size(), 4096, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      if (visibility.triangles[i] == no_triangle) {
-        map.pixels[i] = to_linear(uncovered);
-        continue;
-      }
-      const double d = largest_difference(test.pixels[i], reference.pixels[i]);
-      map.pixels[i] = std::isfinite(d) ? diverging_color(d / scale) : to_linear(nonfinite);
-    }
-  });
   draw_bar(map, static_cast<int>(test.height), dot, scale);
   return map;
 }

@@ -64,6 +64,11 @@ std::string report_json(const Comparison& c) {
   json["scene_triangles"] = c.n_scene_triangles;
   json["lights"] = c.n_lights;
   json["light_names"] = c.light_names;
+  if (!c.light_shares.empty()) {
+    json["light_shares"] = Json::array();
+    for (const LightShare& share : c.light_shares)
+      json["light_shares"].push_back({{"light", share.light}, {"error", share.error}});
+  }
   json["views"] = c.n_views;
   json["image"] = {{"linear", image_json(c.image_linear)}, {"display", image_json(c.image_display)}};
   json["image"]["display"]["histogram"] = c.image_display.histogram;

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <numeric>
 
 #include "lambake/io/image_file.h"
 #include "lambake/report/charts.h"
+#include "lambake/report/difference.h"
 #include "lambake/report/page_assets.h"
 #include "lambake/report/report.h"
 #include "lambake/report/text.h"
@@ -72,6 +74,25 @@ std::string count_of(std::size_t n, std::string_view singular, std::string_view 
   return fmt::format("<b>{}</b> {}", grouped(n), n == 1 ? singular : plural);
 }
 
+/// The few numbers that people ask for first.
+std::string tiles(const Comparison& c) {
+  std::string html = "<dl class=\"tiles\">\n";
+  const auto add = [&](const std::string& value, const char* meaning) {
+    html += fmt::format("<div><dt>{}</dt><dd>{}</dd></div>\n", meaning, value);
+  };
+  const ImageError& image = c.image_display;
+  if (image.pixels > 0)
+    add(percent(static_cast<double>(image.pixels_over_1_255) / static_cast<double>(image.pixels)),
+        "of the pixels off by more than 1/255");
+  add(steps_of_255(image.rmse), "typical difference in the picture (RMSE)");
+  add(steps_of_255(c.surface_display.max_sampled), "largest found on the surface");
+  if (c.max_bound_display)
+    add(steps_of_255(*c.max_bound_display), "largest possible anywhere, certified");
+  else if (image.pixels > 0)
+    add(steps_of_255(image.max), "largest in the picture");
+  return html + "</dl>\n";
+}
+
 std::string header(const Comparison& c) {
   std::string html = fmt::format(
       "<p class=\"eyebrow\">{} · light per vertex against light per pixel</p>\n<h1>{}</h1>\n<ul "
@@ -86,7 +107,7 @@ std::string header(const Comparison& c) {
   if (c.n_triangles != c.n_scene_triangles)
     add(fmt::format("read with {}, {}", count_of(c.n_scene_vertices, "vertex", "vertices"),
                     count_of(c.n_scene_triangles, "triangle", "triangles")));
-  return html + "</ul>\n";
+  return html + "</ul>\n" + tiles(c);
 }
 
 std::string slider_section(const Comparison& c) {
@@ -116,15 +137,41 @@ std::string slider_section(const Comparison& c) {
       fmt::arg("fragment", data_uri(c.per_fragment)));
 }
 
-std::string difference_section(const Comparison& c) {
-  const double scale = heat_map_scale(c.per_vertex, c.per_fragment, c.visibility);
-  const Picture map = heat_map(c.per_vertex, c.per_fragment, c.visibility, scale);
+/// What the sections below the slider share: the differences of the first view, their scale, the worst
+/// pixels.
+struct Differences {
+  std::vector<float> values;  ///< W·H.
+  double scale = 0;
+  std::uint32_t crop_size = 0;  ///< Pixels a side of the zooms.
+  std::vector<WorstPixel> worst;
+};
+
+Differences find_differences(const Comparison& c) {
+  Differences d;
+  d.values = screen_difference(c.per_vertex, c.per_fragment, c.visibility);
+  d.scale = scale_of(d.values, c.visibility);
+  d.crop_size = std::min({48U, c.per_vertex.width, c.per_vertex.height});
+  d.worst = worst_pixels(d.values, c.per_vertex.width, 4, d.crop_size);
+  return d;
+}
+
+std::string difference_section(const Comparison& c, const Differences& differences) {
+  const Picture map = color_difference(differences.values, c.visibility, differences.scale);
+  std::string marks;
+  for (std::size_t i = 0; i < differences.worst.size(); ++i)
+    marks += fmt::format(
+        "<a class=\"mark\" href=\"#zoom-{0}\" aria-label=\"Zoom {0}\" "
+        "style=\"left:{1:.3f}%;top:{2:.3f}%\">{0}</a>\n",
+        i + 1, 100 * (differences.worst[i].x + 0.5) / map.width,
+        100 * (differences.worst[i].y + 0.5) / map.height);
   return fmt::format(
       R"(<section class="columns" aria-label="The difference">
 <figure>
 <h2>Where they differ</h2>
-<div class="frame"><img id="difference" width="{width}" height="{height}" alt="Heat map of the difference between the two pictures; the scale ends at {scale}" src="{map}"></div>
-<figcaption>Per vertex minus per pixel, as a screen shows it, in the channel that differs most. Blue: per vertex is darker. White: no difference. Red: per vertex is brighter. The colours end at ±{scale}.</figcaption>
+<div class="frame"><img id="difference" width="{width}" height="{height}" alt="Heat map of the difference between the two pictures; the scale ends at {scale}" src="{map}">
+{marks}</div>
+<div class="legend" aria-hidden="true"><span>−{scale}<small>per vertex darker</small></span><i style="background: {gradient}"></i><span>+{scale}<small>per vertex brighter</small></span></div>
+<figcaption>Per vertex minus per pixel, as a screen shows it, in the channel that differs most. Blue: per vertex is darker. White: no difference. Red: per vertex is brighter. Larger differences than ±{scale} have the colour of the end.</figcaption>
 </figure>
 <figure>
 <h2>How many pixels differ by how much</h2>
@@ -132,10 +179,52 @@ std::string difference_section(const Comparison& c) {
 </figure>
 </section>
 )",
-      fmt::arg("width", map.width), fmt::arg("height", map.height), fmt::arg("scale", steps_of_255(scale)),
-      fmt::arg("map", data_uri(map)), fmt::arg("histogram", histogram_svg(c.image_display.histogram)),
+      fmt::arg("width", map.width), fmt::arg("height", map.height),
+      fmt::arg("scale", steps_of_255(differences.scale)), fmt::arg("map", data_uri(map)),
+      fmt::arg("marks", marks), fmt::arg("gradient", diverging_gradient_css()),
+      fmt::arg("histogram", histogram_svg(c.image_display.histogram)),
       fmt::arg("over", grouped(c.image_display.pixels_over_1_255)),
       fmt::arg("pixels", grouped(c.image_display.pixels)));
+}
+
+/// `size`×`size` pixels of `picture` from (x, y).
+Picture crop(const Picture& picture, std::uint32_t x, std::uint32_t y, std::uint32_t size) {
+  Picture part{size, size, {}};
+  part.pixels.reserve(static_cast<std::size_t>(size) * size);
+  for (std::uint32_t row = y; row < y + size; ++row) {
+    const auto begin = picture.pixels.begin() + static_cast<std::ptrdiff_t>(row) * picture.width + x;
+    part.pixels.insert(part.pixels.end(), begin, begin + size);
+  }
+  return part;
+}
+
+std::string zooms_section(const Comparison& c, const Differences& differences) {
+  if (differences.worst.empty()) return {};
+  const std::uint32_t size = differences.crop_size;
+  const Picture map = color_difference(differences.values, c.visibility, differences.scale);
+  std::string html =
+      "<section aria-labelledby=\"zooms\">\n<h2 id=\"zooms\">The worst places of the picture, enlarged</h2>\n"
+      "<div class=\"columns\">\n";
+  for (std::size_t i = 0; i < differences.worst.size(); ++i) {
+    const WorstPixel& worst = differences.worst[i];
+    const auto origin = [size](std::uint32_t at, std::uint32_t length) {
+      return std::min(at - std::min(at, size / 2), length - size);
+    };
+    const std::uint32_t x = origin(worst.x, map.width), y = origin(worst.y, map.height);
+    html += fmt::format("<figure class=\"zoom\" id=\"zoom-{}\">\n<div class=\"crops\">\n", i + 1);
+    for (const auto& [name, picture] : {std::pair<const char*, const Picture*>{"per vertex", &c.per_vertex},
+                                        {"per pixel", &c.per_fragment},
+                                        {"difference", &map}})
+      html += fmt::format(
+          "<div><img width=\"{0}\" height=\"{0}\" alt=\"Zoom {1}, {2}\" src=\"{3}\"><span>{2}</span></div>\n",
+          size, i + 1, name, data_uri(crop(*picture, x, y, size)));
+    html += fmt::format(
+        "</div>\n<figcaption><b>{}</b> Per vertex is {} by <b>{}</b> at column {}, row "
+        "{}.</figcaption>\n</figure>\n",
+        i + 1, worst.difference < 0 ? "darker" : "brighter", steps_of_255(std::abs(worst.difference)),
+        worst.x, worst.y);
+  }
+  return html + "</div>\n</section>\n";
 }
 
 /// One table of numbers, in one colour space.
@@ -199,6 +288,41 @@ std::string worst_section(const Comparison& c) {
   return html + "</tbody>\n</table>\n</section>\n";
 }
 
+/// The lights that matter most, with bars: their share of the light and of the interpolation error.
+std::string lights_section(const Comparison& c) {
+  if (c.light_shares.empty()) return {};
+  std::vector<std::size_t> order(c.light_shares.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  const auto weight = [&](std::size_t i) { return c.light_shares[i].error + c.light_shares[i].light; };
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return weight(a) > weight(b); });
+  constexpr std::size_t n_shown = 8;
+
+  std::string html =
+      "<section aria-labelledby=\"lights\">\n<h2 id=\"lights\">Each light's share</h2>\n"
+      "<table class=\"table lights\">\n<thead><tr><th scope=\"col\">Light</th><th scope=\"col\">of the light "
+      "on the "
+      "surface</th><th scope=\"col\">of the error that interpolating makes</th></tr></thead>\n<tbody>\n";
+  const auto row = [&](const std::string& name, const LightShare& share) {
+    const auto cell = [](double value) {
+      return fmt::format("<td><span class=\"share\"><i style=\"width:{:.2f}%\"></i></span>{}</td>",
+                         100 * value, percent(value));
+    };
+    html +=
+        fmt::format("<tr><th scope=\"row\">{}</th>{}{}</tr>\n", name, cell(share.light), cell(share.error));
+  };
+  LightShare rest;
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const LightShare& share = c.light_shares[order[i]];
+    if (i < n_shown)
+      row(escape_html(c.light_names[order[i]]), share);
+    else
+      rest.light += share.light, rest.error += share.error;
+  }
+  if (order.size() > n_shown) row(fmt::format("{} others", grouped(order.size() - n_shown)), rest);
+  return html + "</tbody>\n</table>\n</section>\n";
+}
+
 std::string findings_section(const Comparison& c) {
   std::string html =
       "<section aria-labelledby=\"findings\">\n<h2 id=\"findings\">What was counted on reading</h2>\n";
@@ -240,8 +364,10 @@ std::string made_section(const Comparison& c) {
 std::string report_page(const Comparison& c) {
   const std::string title = escape_html(c.input) + " · lambake compare";
   const std::string head = header(c);
-  const std::string main = slider_section(c) + difference_section(c) + numbers_section(c) + worst_section(c) +
-                           findings_section(c) + made_section(c);
+  const Differences differences = find_differences(c);
+  const std::string main = slider_section(c) + difference_section(c, differences) +
+                           zooms_section(c, differences) + numbers_section(c) + lights_section(c) +
+                           worst_section(c) + findings_section(c) + made_section(c);
   return fill_slots(page_assets::page_html,
                     {{"title", title},
                      {"css", page_assets::page_css},

@@ -1,0 +1,82 @@
+#include "lambake/measure/light_share.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+#include "lambake/core/parallel.h"
+#include "lambake/shading/lambert.h"
+
+namespace lambake {
+namespace {
+
+/// Weights of the quadrature over a triangle that is exact for cubics: corners, edge middles, centroid.
+constexpr double corner_weight = 1.0 / 20, middle_weight = 2.0 / 15, centroid_weight = 9.0 / 20;
+
+struct Point {
+  glm::dvec3 barycentrics;
+  double weight;
+};
+constexpr std::array<Point, 4> inner_points = {{{{0.5, 0.5, 0}, middle_weight},
+                                                {{0, 0.5, 0.5}, middle_weight},
+                                                {{0.5, 0, 0.5}, middle_weight},
+                                                {{1.0 / 3, 1.0 / 3, 1.0 / 3}, centroid_weight}}};
+
+LightShare share_on_triangle(const Light& light, const std::array<glm::dvec3, 3>& p,
+                             const std::array<glm::dvec3, 3>& n) {
+  glm::dvec3 at_corners;
+  for (int c = 0; c < 3; ++c)
+    at_corners[c] = received(light, p[static_cast<std::size_t>(c)], n[static_cast<std::size_t>(c)]);
+  LightShare share{corner_weight * (at_corners.x + at_corners.y + at_corners.z), 0};
+  for (const auto& [b, weight] : inner_points) {
+    const glm::dvec3 normal = b.x * n[0] + b.y * n[1] + b.z * n[2];
+    const double length = glm::length(normal);
+    if (!(length > 0)) continue;
+    const double truth = received(light, b.x * p[0] + b.y * p[1] + b.z * p[2], normal / length);
+    share.light += weight * truth;
+    share.error += weight * std::abs(truth - glm::dot(b, at_corners));
+  }
+  return share;
+}
+
+}  // namespace
+
+std::vector<LightShare> light_shares(const Scene& scene) {
+  const Mesh& mesh = scene.mesh;
+  const std::size_t n_lights = scene.lights.size(), n_triangles = mesh.n_triangles();
+  std::vector<LightShare> shares(n_lights);
+  if (mesh.normals.empty()) return shares;
+  constexpr std::size_t budget = 4'000'000;
+  const std::size_t stride = std::max<std::size_t>(1, n_triangles * n_lights / budget);
+
+  parallel_blocks(n_lights, 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const Light& light = scene.lights[i];
+      const double brightness = double(light.intensity.r) + light.intensity.g + light.intensity.b;
+      for (std::size_t f = 0; f < n_triangles; f += stride) {
+        const glm::uvec3& t = mesh.triangles[f];
+        std::array<glm::dvec3, 3> p, n;
+        for (std::size_t c = 0; c < 3; ++c) {
+          p[c] = mesh.positions[t[static_cast<int>(c)]];
+          n[c] = mesh.normals[t[static_cast<int>(c)]];
+        }
+        const double weight = brightness * glm::length(glm::cross(p[1] - p[0], p[2] - p[0]));
+        const LightShare share = share_on_triangle(light, p, n);
+        if (!std::isfinite(weight * share.light) || !std::isfinite(weight * share.error)) continue;
+        shares[i].light += weight * share.light;
+        shares[i].error += weight * share.error;
+      }
+    }
+  });
+
+  LightShare sum;
+  for (const LightShare& s : shares) sum.light += s.light, sum.error += s.error;
+  for (LightShare& s : shares) {
+    s.light = sum.light > 0 ? s.light / sum.light : 0;
+    s.error = sum.error > 0 ? s.error / sum.error : 0;
+  }
+  return shares;
+}
+
+}  // namespace lambake

@@ -1,0 +1,56 @@
+#include <gtest/gtest.h>
+
+#include "lambake/measure/light_share.h"
+
+namespace lambake {
+namespace {
+
+Light sun(const glm::vec3& direction, float intensity) {
+  Light light;
+  light.direction_to_light = direction;
+  light.intensity = {intensity, intensity, intensity};
+  return light;
+}
+
+/// Two triangles that make the square [−1,1]² in z = 0, facing +z, under the given lights.
+Scene square(std::vector<Light> lights) {
+  Scene scene;
+  scene.mesh.positions = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
+  scene.mesh.normals.assign(4, {0, 0, 1});
+  scene.mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+  scene.materials.resize(1);
+  scene.lights = std::move(lights);
+  return scene;
+}
+
+TEST(LightShares, SunsOnAFlatFace_ShareByIntensityTimesCosine_WithoutError) {
+  const auto shares = light_shares(square({sun({0, 0, 1}, 1), sun({0.8f, 0, 0.6f}, 5), sun({0, 0, -1}, 9)}));
+  ASSERT_EQ(shares.size(), 3U);
+  EXPECT_NEAR(shares[0].light, 0.25, 1e-6);  // 1·1 of 1·1 + 5·0.6
+  EXPECT_NEAR(shares[1].light, 0.75, 1e-6);
+  EXPECT_EQ(shares[2].light, 0);  // from behind
+  for (const LightShare& share : shares) EXPECT_NEAR(share.error, 0, 1e-9);
+}
+
+TEST(LightShares, LampOverAFace_HasTheError_NotTheSun) {
+  Light lamp;
+  lamp.type = LightType::point;
+  lamp.position = {0, 0, 0.5f};
+  const auto shares = light_shares(square({sun({0, 0, 1}, 10), lamp}));
+  EXPECT_LT(shares[1].light, 0.5);
+  EXPECT_NEAR(shares[1].error, 1, 1e-6);
+}
+
+TEST(LightShares, ManyLights_AreEstimatedFromSomeTriangles_WithTheSameShares) {
+  Scene scene = square(std::vector<Light>(3, sun({0, 0, 1}, 1)));
+  scene.mesh.triangles.resize(3'000'000, {0, 1, 2});
+  for (const LightShare& share : light_shares(scene)) EXPECT_NEAR(share.light, 1.0 / 3, 1e-12);
+}
+
+TEST(LightShares, NothingLit_IsZero) {
+  EXPECT_EQ(light_shares(square({sun({0, 0, -1}, 1)}))[0].light, 0);
+  EXPECT_TRUE(light_shares(square({})).empty());
+}
+
+}  // namespace
+}  // namespace lambake
