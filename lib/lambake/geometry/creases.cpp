@@ -52,7 +52,8 @@ std::size_t split_creases(Mesh& mesh, float crease_angle_rad) {
       sets.unite(corner_at(edge[0], at_low), corner_at(edge[1], at_low));
   });
 
-  // A corner without a direction takes the first set at its vertex: it needs no copy of its own.
+  // A corner without a direction takes the first set at its vertex, or the first corner where none has one:
+  // it needs no copy of its own.
   constexpr std::uint32_t none = ~0U;
   std::vector<std::uint32_t> first_set(mesh.n_vertices(), none);
   for (std::size_t f = 0; f < mesh.n_triangles(); ++f)
@@ -69,9 +70,8 @@ std::size_t split_creases(Mesh& mesh, float crease_angle_rad) {
   for (std::size_t f = 0; f < mesh.n_triangles(); ++f)
     for (std::uint32_t c = 0; c < 3; ++c) {
       const std::uint32_t corner = static_cast<std::uint32_t>(3 * f) + c, vertex = mesh.triangles[f][c];
-      const std::uint32_t first = first_set[vertex];
-      const bool joins_first = !has_direction(f) && first != none;
-      corners.push_back({vertex, joins_first ? first : sets.find(corner), corner});
+      if (first_set[vertex] == none) first_set[vertex] = corner;
+      corners.push_back({vertex, has_direction(f) ? sets.find(corner) : first_set[vertex], corner});
     }
   std::sort(corners.begin(), corners.end(), [](const Corner& a, const Corner& b) {
     return std::tie(a.vertex, a.set, a.corner) < std::tie(b.vertex, b.set, b.corner);

@@ -58,10 +58,12 @@ Defects find_defects(const Mesh& mesh) {
     d.non_finite_vertices += !is_finite(source_positions[v]);
   }
   // Compared as bits, with −0 made +0, so that the order is total.
-  std::vector<std::array<std::uint32_t, 3>> bits(n_source);
-  for (std::uint32_t v = 0; v < n_source; ++v)
-    for (int c = 0; c < 3; ++c)
-      bits[v][static_cast<std::size_t>(c)] = std::bit_cast<std::uint32_t>(source_positions[v][c] + 0.0f);
+  std::vector<std::array<std::uint32_t, 3>> bits;
+  bits.reserve(n_source);
+  for (const glm::vec3& p : source_positions)
+    if (is_finite(p))
+      bits.push_back({std::bit_cast<std::uint32_t>(p.x + 0.0f), std::bit_cast<std::uint32_t>(p.y + 0.0f),
+                      std::bit_cast<std::uint32_t>(p.z + 0.0f)});
   std::sort(bits.begin(), bits.end());
   for (std::size_t i = 1; i < bits.size(); ++i) d.duplicate_positions += bits[i] == bits[i - 1];
 

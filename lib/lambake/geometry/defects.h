@@ -16,7 +16,7 @@ struct Defects {
   std::size_t border_edges = 0;           ///< Edges of one triangle.
   std::size_t non_manifold_edges = 0;     ///< Edges of more than two triangles.
   std::size_t conflicting_edges = 0;      ///< Edges that two triangles run through in the same direction.
-  std::size_t duplicate_positions = 0;    ///< Vertices at exactly the position of an earlier one.
+  std::size_t duplicate_positions = 0;    ///< Vertices at exactly the (finite) position of an earlier one.
   std::size_t components = 0;             ///< Parts connected by shared vertices.
   bool is_closed = false;                 ///< No border edges and at least one triangle.
   bool is_consistently_wound = false;     ///< No conflicting edges.
