@@ -93,6 +93,18 @@ TEST(VertexNormals, MaxWeight_MeshesInscribedInASphere_IsExact) {
   EXPECT_GT(worst_angle_to_radius_deg(icosphere(3), NormalWeight::uniform), 0.1);
 }
 
+TEST(VertexNormals, ARightAngledFold_IsWeightedAsItsNameSays) {
+  // At vertex 0 a triangle facing z (legs 3 and 1) meets one facing x (legs 3 and 2), both at right angles.
+  Mesh mesh;
+  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 3, 0}, {0, 0, 2}};
+  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+  const auto at_fold = [&](NormalWeight weight) { return vertex_normals(mesh, weight).normals[0]; };
+  EXPECT_LT(angle_deg(at_fold(NormalWeight::angle), {1, 0, 1}), 1e-5);
+  EXPECT_LT(angle_deg(at_fold(NormalWeight::uniform), {1, 0, 1}), 1e-5);
+  EXPECT_LT(angle_deg(at_fold(NormalWeight::area), {2, 0, 1}), 1e-5);
+  EXPECT_LT(angle_deg(at_fold(NormalWeight::max), {1 / 6.0f, 0, 1 / 3.0f}), 1e-5);
+}
+
 TEST(VertexNormals, ReversedWinding_NegatesTheNormals) {
   const Mesh mesh = height_field(8);
   Mesh reversed = mesh;
