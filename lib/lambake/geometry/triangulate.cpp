@@ -1,0 +1,160 @@
+#include "lambake/geometry/triangulate.h"
+
+#include <cmath>
+#include <cstddef>
+
+namespace lambake {
+namespace {
+
+using Point = glm::dvec2;
+
+double cross(const Point& a, const Point& b, const Point& c) {
+  return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+}
+
+/// Newell's normal, about the first corner so that far-off coordinates do not cancel.
+glm::dvec3 newell_normal(std::span<const glm::vec3> positions, std::span<const std::uint32_t> polygon) {
+  const glm::dvec3 origin(positions[polygon[0]]);
+  glm::dvec3 normal(0);
+  for (std::size_t i = 1; i + 1 < polygon.size(); ++i)
+    normal += glm::cross(glm::dvec3(positions[polygon[i]]) - origin,
+                         glm::dvec3(positions[polygon[i + 1]]) - origin);
+  return normal;
+}
+
+/// The polygon in the coordinate plane most across its normal, counter-clockwise.
+std::vector<Point> project(std::span<const glm::vec3> positions, std::span<const std::uint32_t> polygon,
+                           const glm::dvec3& normal) {
+  const glm::dvec3 size = glm::abs(normal);
+  const int drop = size.x > size.y ? (size.x > size.z ? 0 : 2) : (size.y > size.z ? 1 : 2);
+  int u = (drop + 1) % 3, v = (drop + 2) % 3;
+  if (normal[drop] < 0) std::swap(u, v);
+  std::vector<Point> points;
+  points.reserve(polygon.size());
+  for (const std::uint32_t i : polygon) points.emplace_back(positions[i][u], positions[i][v]);
+  return points;
+}
+
+void append_fan(std::span<const std::uint32_t> polygon, std::vector<glm::uvec3>& triangles) {
+  for (std::size_t i = 1; i + 1 < polygon.size(); ++i)
+    triangles.emplace_back(polygon[0], polygon[i], polygon[i + 1]);
+}
+
+void append_quad(std::span<const glm::vec3> positions, std::span<const std::uint32_t> q,
+                 std::span<const Point> p, std::vector<glm::uvec3>& triangles) {
+  // A diagonal is inside if the other two corners lie on its two sides.
+  const bool is_02_inside = cross(p[0], p[1], p[2]) > 0 && cross(p[0], p[2], p[3]) > 0;
+  const bool is_13_inside = cross(p[1], p[2], p[3]) > 0 && cross(p[1], p[3], p[0]) > 0;
+  const glm::dvec3 d02 = glm::dvec3(positions[q[2]]) - glm::dvec3(positions[q[0]]);
+  const glm::dvec3 d13 = glm::dvec3(positions[q[3]]) - glm::dvec3(positions[q[1]]);
+  const bool is_02 = is_02_inside != is_13_inside ? is_02_inside : glm::dot(d02, d02) <= glm::dot(d13, d13);
+  if (is_02) {
+    triangles.emplace_back(q[0], q[1], q[2]);
+    triangles.emplace_back(q[0], q[2], q[3]);
+  } else {
+    triangles.emplace_back(q[1], q[2], q[3]);
+    triangles.emplace_back(q[1], q[3], q[0]);
+  }
+}
+
+/// Clips ears off a counter-clockwise polygon; false if none is left to clip before it is done.
+class EarClipper {
+ public:
+  EarClipper(std::span<const std::uint32_t> polygon, std::span<const Point> points)
+      : polygon_(polygon), points_(points), next_(points.size()), previous_(points.size()) {
+    const std::size_t n = points.size();
+    for (std::size_t i = 0; i < n; ++i) next_[i] = (i + 1) % n, previous_[i] = (i + n - 1) % n;
+    for (std::size_t i = 0; i < n; ++i)
+      if (turn(i) <= 0) reflex_.push_back(i);
+  }
+
+  bool clip(std::vector<glm::uvec3>& triangles) {
+    std::size_t n_left = points_.size();
+    std::size_t at = 0;
+    while (n_left > 3) {
+      std::size_t n_tried = 0;
+      while (n_tried < n_left && !is_ear(at)) at = next_[at], ++n_tried;
+      if (n_tried == n_left) {
+        // Only straight corners may be left beside reflex ones: a zero-area ear opens the way.
+        n_tried = 0;
+        while (n_tried < n_left && turn(at) != 0) at = next_[at], ++n_tried;
+        if (n_tried == n_left) return false;
+      }
+      append(at, triangles);
+      next_[previous_[at]] = next_[at];
+      previous_[next_[at]] = previous_[at];
+      --n_left;
+      at = next_[next_[at]];  // Skipping one keeps the triangles from gathering at one corner.
+    }
+    append(at, triangles);
+    return true;
+  }
+
+ private:
+  double turn(std::size_t i) const { return cross(points_[previous_[i]], points_[i], points_[next_[i]]); }
+
+  bool is_ear(std::size_t i) {
+    if (!(turn(i) > 0)) return false;
+    const Point &a = points_[previous_[i]], &b = points_[i], &c = points_[next_[i]];
+    for (std::size_t k = 0; k < reflex_.size();) {
+      const std::size_t r = reflex_[k];
+      // Clipped, or convex by now: such a corner cannot be the first inside of an ear.
+      if (next_[previous_[r]] != r || turn(r) > 0) {
+        reflex_[k] = reflex_.back();
+        reflex_.pop_back();
+        continue;
+      }
+      ++k;
+      const Point& p = points_[r];
+      if (p == a || p == b || p == c) continue;  // The ends, or another corner at the same point.
+      if (cross(a, b, p) >= 0 && cross(b, c, p) >= 0 && cross(c, a, p) >= 0) return false;
+    }
+    return true;
+  }
+
+  void append(std::size_t i, std::vector<glm::uvec3>& triangles) const {
+    triangles.emplace_back(polygon_[previous_[i]], polygon_[i], polygon_[next_[i]]);
+  }
+
+  std::span<const std::uint32_t> polygon_;
+  std::span<const Point> points_;
+  std::vector<std::size_t> next_, previous_;
+  std::vector<std::size_t> reflex_;
+};
+
+}  // namespace
+
+bool triangulate_polygon(std::span<const glm::vec3> positions, std::span<const std::uint32_t> corners,
+                         std::vector<glm::uvec3>& triangles) {
+  std::vector<std::uint32_t> polygon;
+  polygon.reserve(corners.size());
+  for (const std::uint32_t v : corners)
+    if (polygon.empty() || v != polygon.back()) polygon.push_back(v);
+  while (polygon.size() > 1 && polygon.front() == polygon.back()) polygon.pop_back();
+  if (polygon.size() < 3) {
+    triangles.emplace_back(corners[0], corners[1], corners[2]);
+    return true;
+  }
+  if (polygon.size() == 3) {
+    triangles.emplace_back(polygon[0], polygon[1], polygon[2]);
+    return true;
+  }
+  const glm::dvec3 normal = newell_normal(positions, polygon);
+  const double size = glm::length(normal);
+  if (!std::isfinite(size) || size == 0) {
+    append_fan(polygon, triangles);
+    return false;
+  }
+  const std::vector<Point> points = project(positions, polygon, normal);
+  if (polygon.size() == 4) {
+    append_quad(positions, polygon, points, triangles);
+    return true;
+  }
+  const std::size_t n_before = triangles.size();
+  if (EarClipper(polygon, points).clip(triangles)) return true;
+  triangles.resize(n_before);
+  append_fan(polygon, triangles);
+  return false;
+}
+
+}  // namespace lambake

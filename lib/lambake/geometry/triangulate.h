@@ -1,0 +1,22 @@
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <span>
+#include <vector>
+
+namespace lambake {
+
+/// Appends the triangles of a polygon, concave ones too, each wound as the polygon is.
+///
+/// The polygon is taken as it lies in the coordinate plane most across its normal (Newell's). A convex
+/// quadrilateral is cut along its shorter diagonal, other polygons by clipping ears. Corners that repeat the
+/// one before (and a last that repeats the first) are left out; of a polygon with fewer than three different
+/// neighbours the first three corners are kept as they are. O(n) for convex polygons, O(n · reflex) others.
+/// @param positions  of the vertices.
+/// @param polygon    three or more indices < positions.size().
+/// @returns false if the polygon crosses itself or is not finite, so that a fan had to do.
+bool triangulate_polygon(std::span<const glm::vec3> positions, std::span<const std::uint32_t> polygon,
+                         std::vector<glm::uvec3>& triangles);
+
+}  // namespace lambake

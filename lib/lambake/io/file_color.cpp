@@ -1,0 +1,55 @@
+#include "lambake/io/file_color.h"
+
+#include <algorithm>
+#include <bit>
+
+namespace lambake {
+void decode_file_colors(std::vector<LinearRgb>& colors, Findings& findings) {
+  std::size_t n_non_finite = 0, n_outside = 0;
+  float largest = 0;
+  for (LinearRgb& c : colors) {
+    if (!is_finite(c)) {
+      ++n_non_finite;
+      continue;
+    }
+    largest = std::max({largest, c.r, c.g, c.b});
+  }
+  const bool counts_to_255 = largest > 2;
+  const float scale = counts_to_255 ? 1.0f / 255.0f : 1.0f;
+  // Neighbours often have the same colour, and the curve is dear.
+  LinearRgb last_encoded{0, 0, 0}, last_linear{0, 0, 0};
+  for (LinearRgb& c : colors) {
+    if (!is_finite(c)) {
+      c = {1, 1, 1};
+      continue;
+    }
+    if (c == last_encoded) {
+      c = last_linear;
+      continue;
+    }
+    last_encoded = c;
+    const LinearRgb scaled = c * scale;
+    const auto decode = [](float channel) { return srgb_decode(std::clamp(channel, 0.0f, 1.0f)); };
+    c = last_linear = {decode(scaled.r), decode(scaled.g), decode(scaled.b)};
+    n_outside += std::min({scaled.r, scaled.g, scaled.b}) < 0 || std::max({scaled.r, scaled.g, scaled.b}) > 1;
+  }
+  add_finding(findings, "non_finite_colors", n_non_finite, "colours are not finite; white instead");
+  add_finding(findings, "colors_out_of_range", n_outside, "colours lie outside of [0,1]; clamped");
+  if (counts_to_255)
+    add_finding(findings, "colors_to_255", colors.size(),
+                "colours are given as floats above 2; taken to count to 255");
+}
+
+std::uint32_t ValueNumbers::number_of(float a, float b, float c) {
+  const Bits bits{std::bit_cast<std::uint32_t>(a), std::bit_cast<std::uint32_t>(b),
+                  std::bit_cast<std::uint32_t>(c)};
+  return numbers_.try_emplace(bits, static_cast<std::uint32_t>(numbers_.size())).first->second;
+}
+
+std::size_t ValueNumbers::Hash::operator()(const Bits& bits) const {
+  std::uint64_t h = 0;
+  for (const std::uint32_t word : bits) h = (h ^ word) * 0x9e3779b97f4a7c15ULL;
+  return h ^ (h >> 29);
+}
+
+}  // namespace lambake

@@ -1,0 +1,219 @@
+#include "lambake/io/mesh_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cctype>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <numeric>
+
+#include "lambake/core/error.h"
+#include "lambake/geometry/defects.h"
+#include "lambake/io/canonical_file.h"
+#include "lambake/io/file_extension.h"
+#include "lambake/io/openmesh_read.h"
+
+namespace lambake {
+namespace {
+
+std::string read_bytes(const std::string& path) {
+  std::error_code error;
+  if (std::filesystem::is_directory(path, error)) throw IoError(path, "expected a file, found a folder");
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream) throw IoError(path, "cannot be opened");
+  stream.seekg(0, std::ios::end);
+  const std::streamoff size = stream.tellg();
+  stream.seekg(0);
+  std::string bytes(static_cast<std::size_t>(std::max<std::streamoff>(size, 0)), '\0');
+  stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  if (!stream || size < 0) throw IoError(path, "cannot be read");
+  if (bytes.empty()) throw IoError(path, "expected a mesh, found no bytes");
+  return bytes;
+}
+
+CanonicalFile scan(const std::string& path, std::string&& bytes) {
+  const std::string extension = file_extension(path);
+  if (extension == "ply") return scan_ply(path, std::move(bytes));
+  if (extension == "obj") return scan_obj(path, std::move(bytes));
+  if (extension == "off") return scan_off(path, std::move(bytes));
+  if (extension == "stl") return scan_stl(path, std::move(bytes));
+  throw IoError(path,
+                fmt::format("expected the extension ply, obj, off, stl or om, found \"{}\"", extension));
+}
+
+/// Puts the facets of STL that OpenMesh's reader did not get in their places, their corners welded to exactly
+/// equal positions.
+void insert_loose_facets(const std::vector<CanonicalFile::Facet>& facets, Mesh& mesh) {
+  if (facets.empty()) return;
+  using Bits = std::array<std::uint32_t, 3>;
+  const auto bits_of = [](const glm::vec3& p) {  // −0 equals +0.
+    return Bits{std::bit_cast<std::uint32_t>(p.x + 0.0f), std::bit_cast<std::uint32_t>(p.y + 0.0f),
+                std::bit_cast<std::uint32_t>(p.z + 0.0f)};
+  };
+  std::map<Bits, std::uint32_t> vertices;
+  for (std::uint32_t v = 0; v < mesh.n_vertices(); ++v) vertices.emplace(bits_of(mesh.positions[v]), v);
+  std::vector<glm::uvec3> triangles;
+  triangles.reserve(mesh.n_triangles() + facets.size());
+  std::size_t n_taken = 0;
+  for (const CanonicalFile::Facet& facet : facets) {
+    for (; triangles.size() < facet.index; ++n_taken) triangles.push_back(mesh.triangles[n_taken]);
+    glm::uvec3 t;
+    for (int c = 0; c < 3; ++c) {
+      const glm::vec3& p = facet.corners[static_cast<std::size_t>(c)];
+      const auto [known, is_new] =
+          vertices.try_emplace(bits_of(p), static_cast<std::uint32_t>(mesh.n_vertices()));
+      if (is_new) mesh.positions.push_back(p);
+      t[c] = known->second;
+    }
+    triangles.push_back(t);
+  }
+  triangles.insert(triangles.end(), mesh.triangles.begin() + static_cast<std::ptrdiff_t>(n_taken),
+                   mesh.triangles.end());
+  mesh.triangles = std::move(triangles);
+}
+
+/// Makes faces name the vertices that `stand_ins` stand for, and takes these out.
+void merge_stand_ins(const std::vector<std::pair<std::uint32_t, std::uint32_t>>& stand_ins, Mesh& mesh) {
+  if (stand_ins.empty()) return;
+  const std::uint32_t first = stand_ins.front().first;
+  std::vector<std::uint32_t> new_index(mesh.n_vertices() - first);
+  std::vector<std::uint32_t> kept;
+  auto next = stand_ins.begin();
+  for (std::uint32_t v = first; v < mesh.n_vertices(); ++v) {
+    if (next != stand_ins.end() && next->first == v) {
+      new_index[v - first] = next->second < first ? next->second : new_index[next->second - first];
+      ++next;
+    } else {
+      new_index[v - first] = first + static_cast<std::uint32_t>(kept.size());
+      kept.push_back(v);
+    }
+  }
+  const auto compact = [&](auto& values) {
+    if (values.empty()) return;
+    for (std::size_t i = 0; i < kept.size(); ++i) values[first + i] = values[kept[i]];
+    values.resize(first + kept.size());
+  };
+  compact(mesh.positions);
+  compact(mesh.normals);
+  compact(mesh.colors);
+  compact(mesh.opacities);
+  compact(mesh.texcoords[0]);
+  compact(mesh.source_vertices);
+  for (glm::uvec3& t : mesh.triangles)
+    for (int c = 0; c < 3; ++c)
+      if (t[c] >= first) t[c] = new_index[t[c] - first];
+}
+
+/// Unit length; what has no direction becomes (0,0,0). Counted if not all are.
+void normalize_normals(std::vector<glm::vec3>& normals, Findings& findings) {
+  std::size_t n_undirected = 0;
+  for (glm::vec3& n : normals) {
+    const double length = glm::length(glm::dvec3(n));
+    if (std::isfinite(length) && length > 0) {
+      if (std::abs(length - 1) > 1e-6) n = glm::vec3(glm::dvec3(n) / length);
+    } else {
+      n = glm::vec3(0);
+      ++n_undirected;
+    }
+  }
+  add_finding(findings, "normals_without_direction", n_undirected,
+              "normals in the file have no direction; unlit");
+}
+
+void add_defects(const Mesh& mesh, Findings& findings) {
+  const Defects d = find_defects(mesh);
+  add_finding(findings, "non_finite_vertices", d.non_finite_vertices,
+              "vertices have a coordinate that is not finite; kept, their faces are neither lit nor seen");
+  add_finding(findings, "isolated_vertices", d.isolated_vertices, "vertices are in no face; kept");
+  add_finding(findings, "repeated_vertex_faces", d.repeated_vertex_faces,
+              "triangles name a vertex twice; kept, they add nothing to a normal");
+  add_finding(findings, "zero_area_faces", d.zero_area_faces,
+              "triangles have no area; kept, they add nothing to a normal");
+  add_finding(findings, "duplicate_faces", d.duplicate_faces,
+              "triangles have the vertices of an earlier one; kept");
+  add_finding(findings, "non_manifold_edges", d.non_manifold_edges,
+              "edges have more than two triangles; kept");
+  add_finding(findings, "conflicting_edges", d.conflicting_edges,
+              "edges are run through twice in one direction: the winding is not consistent; kept");
+}
+
+}  // namespace
+
+SceneFile read_mesh_file(const std::string& path) {
+  CanonicalFile file = scan(path, read_bytes(path));
+  OpenMeshArrays arrays = read_with_openmesh(path, file);
+  file.bytes = {};
+
+  SceneFile result;
+  result.format = file.format;
+  result.n_faces = file.n_faces;
+  result.findings = std::move(file.findings);
+  Mesh& mesh = result.scene.mesh;
+  mesh.positions = std::move(arrays.positions);
+  mesh.normals = file.normals.empty() ? std::move(arrays.normals) : std::move(file.normals);
+  mesh.texcoords[0] = file.texcoords.empty() ? std::move(arrays.texcoords) : std::move(file.texcoords);
+  mesh.colors = std::move(file.colors);
+  mesh.opacities = std::move(file.opacities);
+  mesh.triangles = std::move(arrays.triangles);
+  mesh.source_faces = std::move(arrays.faces);
+
+  if (file.extension == "stl") {
+    insert_loose_facets(file.loose_facets, mesh);
+    arrays.n_faces += file.loose_facets.size();
+    file.n_vertices = mesh.n_vertices();
+    add_finding(result.findings, "welded_vertices", 3 * file.n_faces - file.n_vertices,
+                "corners were welded to another at exactly the same position");
+  }
+  const std::size_t n_expected = file.n_vertices + file.copied_vertices.size();
+  const std::size_t n_kept = file.face_indices.empty() ? file.n_faces : file.face_indices.size();
+  if (mesh.n_vertices() != n_expected || arrays.n_faces != n_kept)
+    throw IoError(path,
+                  fmt::format("expected {} vertices and {} faces from OpenMesh's reader, found {} and {}",
+                              n_expected, n_kept, mesh.n_vertices(), arrays.n_faces));
+  result.n_vertices = file.n_vertices;
+
+  for (const auto& [v, position] : file.non_finite_positions) mesh.positions[v] = position;
+  if (!file.copied_vertices.empty()) {
+    mesh.source_vertices.resize(file.n_vertices);
+    std::iota(mesh.source_vertices.begin(), mesh.source_vertices.end(), 0U);
+    mesh.source_vertices.insert(mesh.source_vertices.end(), file.copied_vertices.begin(),
+                                file.copied_vertices.end());
+    for (std::size_t v = file.n_vertices; v < n_expected; ++v)
+      mesh.positions[v] = mesh.positions[mesh.source_vertices[v]];
+  }
+  merge_stand_ins(file.stand_ins, mesh);
+  if (!file.face_indices.empty()) {
+    if (mesh.source_faces.empty()) {
+      mesh.source_faces = file.face_indices;
+    } else {
+      for (std::uint32_t& f : mesh.source_faces) f = file.face_indices[f];
+    }
+  }
+  if (!file.face_materials.empty()) {
+    mesh.materials.reserve(mesh.n_triangles());
+    for (std::size_t t = 0; t < mesh.n_triangles(); ++t)
+      mesh.materials.push_back(file.face_materials[mesh.source_face_of(t)]);
+  }
+  for (glm::vec2& t : mesh.texcoords[0]) t.y = 1 - t.y;  // The files' origin is the lower left.
+  for (float& opacity : mesh.opacities) opacity = opacity >= 0 ? std::min(opacity, 1.0f) : 0.0f;
+  normalize_normals(mesh.normals, result.findings);
+
+  result.scene.materials = std::move(file.materials);
+  if (result.scene.materials.empty()) result.scene.materials.emplace_back();
+  result.scene.textures = std::move(file.textures);
+  result.scene.images = std::move(file.images);
+  add_finding(
+      result.findings, "split_vertices", mesh.n_vertices() - result.n_vertices,
+      "copies of vertices were made where corners differ in normal, texture coordinate, colour or material");
+  add_finding(result.findings, "polygon_fans", arrays.n_fans,
+              "polygons cross themselves or are flat or not finite; cut as a fan");
+  add_defects(mesh, result.findings);
+  check_mesh(mesh, result.scene.materials.size());
+  return result;
+}
+
+}  // namespace lambake

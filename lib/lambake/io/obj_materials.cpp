@@ -1,0 +1,107 @@
+#include "lambake/io/obj_materials.h"
+
+#include <charconv>
+#include <fstream>
+#include <iterator>
+
+#include "lambake/io/file_color.h"
+#include "lambake/io/file_texture.h"
+#include "lambake/io/text_cursor.h"
+
+namespace lambake {
+namespace {
+
+bool is_number(std::string_view token) {
+  float value = 0;
+  const auto [stop, error] = std::from_chars(token.data(), token.data() + token.size(), value);
+  return error == std::errc() && stop == token.data() + token.size();
+}
+
+/// The file's name on a map_Kd line, behind its options ("-s 1 1 1", "-clamp on", …).
+std::string_view skip_map_options(TextCursor& cursor, std::size_t& n_options) {
+  for (;;) {
+    TextCursor ahead = cursor;
+    const std::string_view option = ahead.token();
+    if (option.size() < 2 || option[0] != '-') return cursor.rest_of_line();
+    ++n_options;
+    cursor = ahead;
+    const bool is_vector = option == "-o" || option == "-s" || option == "-t";
+    const int n_values = is_vector ? 3 : option == "-mm" ? 2 : 1;
+    for (int i = 0; i < n_values; ++i) {
+      ahead = cursor;
+      const std::string_view value = ahead.token();
+      if (i > 0 && !is_number(value)) break;
+      cursor = ahead;
+    }
+  }
+}
+
+}  // namespace
+
+void ObjMaterials::read_library(const std::string& name) {
+  const std::string library = path_beside(path_, name);
+  std::ifstream stream(library, std::ios::binary);
+  std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+  if (!stream.is_open() || stream.bad()) {
+    add_finding(file_.findings, "missing_material_files", 1,
+                "material file could not be read, its materials are white: " + name);
+    return;
+  }
+  std::size_t n_options = 0, n_transparent = 0;
+  Entry* entry = nullptr;
+  TextCursor cursor(library, text, '#');
+  for (; cursor.skip_to_token(); cursor.next_line()) {
+    const std::string_view keyword = cursor.token();
+    if (keyword == "newmtl") {
+      entry = &entries_[std::string(cursor.rest_of_line())];
+      *entry = {};
+    } else if (entry == nullptr) {
+      continue;
+    } else if (keyword == "Kd") {
+      TextCursor ahead = cursor;
+      const std::string_view kind = ahead.token();
+      if (kind == "spectral" || kind == "xyz") continue;
+      entry->diffuse.r = cursor.number("three numbers after Kd");
+      // One number stands for all three.
+      entry->diffuse.g = cursor.at_line_end() ? entry->diffuse.r : cursor.number("three numbers after Kd");
+      entry->diffuse.b = cursor.at_line_end() ? entry->diffuse.r : cursor.number("three numbers after Kd");
+    } else if (keyword == "map_Kd") {
+      entry->texture = std::string(skip_map_options(cursor, n_options));
+    } else if (keyword == "d") {
+      TextCursor ahead = cursor;
+      n_transparent += is_number(ahead.token()) && cursor.number("a number") < 1;
+    }
+  }
+  add_finding(file_.findings, "texture_options", n_options, "options of map_Kd are not used");
+  add_finding(file_.findings, "transparent_materials", n_transparent,
+              "materials are transparent; drawn opaque");
+}
+
+std::uint32_t ObjMaterials::use(const std::string& name) {
+  const auto known = used_.find(name);
+  if (known != used_.end()) return known->second;
+  const auto entry = entries_.find(name);
+  if (entry == entries_.end() && !name.empty())
+    add_finding(file_.findings, "unknown_materials", 1,
+                "material is not in the material files; white: " + name);
+  const std::uint32_t index = add(name, entry == entries_.end() ? Entry{} : entry->second);
+  used_.emplace(name, index);
+  return index;
+}
+
+std::uint32_t ObjMaterials::add(const std::string& name, const Entry& entry) {
+  Material material;
+  material.name = name;
+  std::vector<LinearRgb> colors{entry.diffuse};
+  decode_file_colors(colors, file_.findings);
+  material.base_color = colors[0];
+  if (!entry.texture.empty()) {
+    const auto [known, is_new] = texture_indices_.try_emplace(entry.texture, no_texture);
+    if (is_new) known->second = add_file_texture(path_, entry.texture, file_);
+    material.base_color_texture = known->second;
+  }
+  file_.materials.push_back(std::move(material));
+  return static_cast<std::uint32_t>(file_.materials.size() - 1);
+}
+
+}  // namespace lambake

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace lambake {
+
+enum class PlyType { i8, u8, i16, u16, i32, u32, f32, f64 };
+
+inline std::size_t size_of(PlyType type) {
+  constexpr std::size_t sizes[] = {1, 1, 2, 2, 4, 4, 4, 8};
+  return sizes[static_cast<int>(type)];
+}
+inline bool is_float(PlyType type) {
+  return type == PlyType::f32 || type == PlyType::f64;
+}
+
+struct PlyProperty {
+  std::string name;
+  PlyType type = PlyType::f32;
+  bool is_list = false;
+  PlyType count_type = PlyType::u8;  ///< Of a list.
+};
+
+struct PlyElement {
+  std::string name;
+  std::size_t count = 0;
+  std::vector<PlyProperty> properties;
+  std::size_t line = 0;  ///< Where it is declared.
+};
+
+enum class PlyEncoding { ascii, little_endian, big_endian };
+
+struct PlyHeader {
+  PlyEncoding encoding = PlyEncoding::ascii;
+  std::vector<PlyElement> elements;
+  std::vector<std::string> texture_files;  ///< Named by "comment TextureFile".
+  bool has_linear_colors = false;          ///< "comment colours are linear", as lambake writes it.
+  std::size_t size = 0;                    ///< Bytes up to the first of the body.
+  std::size_t n_lines = 0;
+};
+
+/// What lambake writes into a PLY whose float colours are linear.
+inline constexpr std::string_view ply_linear_colors_comment = "colours are linear";
+
+/// Reads the header and checks that the body can hold what it promises. @throws IoError.
+PlyHeader read_ply_header(const std::string& path, std::string_view text);
+
+}  // namespace lambake

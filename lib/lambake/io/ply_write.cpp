@@ -1,0 +1,132 @@
+#include "lambake/io/ply_write.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+
+#include "lambake/core/error.h"
+#include "lambake/core/parallel.h"
+#include "lambake/core/version.h"
+#include "lambake/io/output_file.h"
+#include "lambake/io/ply_header.h"
+#include "lambake/shading/texture.h"
+
+namespace lambake {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "rows are copied as they lie in memory");
+
+/// The material of each vertex: that of the first triangle that names it (vertices are split where materials
+/// meet), or 0.
+std::vector<std::uint32_t> materials_of_vertices(const Mesh& mesh) {
+  std::vector<std::uint32_t> materials(mesh.n_vertices(), 0);
+  if (mesh.materials.empty()) return materials;
+  for (std::size_t t = mesh.n_triangles(); t-- > 0;)
+    for (int c = 0; c < 3; ++c) materials[mesh.triangles[t][c]] = mesh.materials[t];
+  return materials;
+}
+
+LinearRgb sample_rgb(const Scene& scene, const Mesh& mesh, std::uint32_t texture, std::size_t v) {
+  if (texture == no_texture) return {1, 1, 1};
+  const Texture& t = scene.textures[texture];
+  const std::vector<glm::vec2>& texcoords = mesh.texcoords[static_cast<std::size_t>(t.texcoord_set)];
+  if (texcoords.empty()) return {1, 1, 1};
+  const glm::vec4 value = sample_texture(scene, t, texcoords[v]);
+  return {value.x, value.y, value.z};
+}
+
+/// P at a vertex: base colour ⊗ texture ⊗ baked light + emission.
+LinearRgb color_at(const Scene& scene, const Mesh& mesh, const Material& material, const LinearRgb& baked,
+                   std::size_t v) {
+  const LinearRgb base =
+      material.base_color * sample_rgb(scene, mesh, material.base_color_texture, v) * baked;
+  if (material.emission == LinearRgb{}) return base;
+  return base + material.emission * sample_rgb(scene, mesh, material.emission_texture, v);
+}
+
+std::string make_header(const Mesh& mesh, bool is_float) {
+  return fmt::format(
+      "ply\nformat binary_little_endian 1.0\ncomment made by lambake {}\n{}element vertex {}\n"
+      "property float x\nproperty float y\nproperty float z\n{}{}{}"
+      "element face {}\nproperty list uchar int vertex_indices\nend_header\n",
+      version(), is_float ? fmt::format("comment {}\n", ply_linear_colors_comment) : "", mesh.n_vertices(),
+      mesh.normals.empty() ? "" : "property float nx\nproperty float ny\nproperty float nz\n",
+      mesh.texcoords[0].empty() ? "" : "property float s\nproperty float t\n",
+      is_float ? "property float red\nproperty float green\nproperty float blue\n"
+               : "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\n",
+      mesh.n_triangles());
+}
+
+/// Writes `n` rows of `row_size` bytes; `fill(i, row)` makes row i. In pieces, so that memory stays small.
+template <typename Fill>
+void write_rows(OutputFile& file, std::size_t n, std::size_t row_size, Fill&& fill) {
+  constexpr std::size_t piece = std::size_t{1} << 18;
+  std::string rows(std::min(n, piece) * row_size, '\0');
+  for (std::size_t begin = 0; begin < n; begin += piece) {
+    const std::size_t n_rows = std::min(piece, n - begin);
+    parallel_blocks(n_rows, 4096, [&](std::size_t from, std::size_t to) {
+      for (std::size_t i = from; i < to; ++i) fill(begin + i, rows.data() + i * row_size);
+    });
+    file.write(rows.data(), n_rows * row_size);
+  }
+}
+
+template <typename T>
+void append(char*& row, const T& value) {
+  std::memcpy(row, &value, sizeof value);
+  row += sizeof value;
+}
+
+}  // namespace
+
+WrittenColors write_ply_file(const std::string& path, const Scene& scene, const BakedColors& baked,
+                             const PlyWriteOptions& options) {
+  if (options.color == ColorStorage::u16)
+    throw InvalidOption(path + ": colours of PLY are u8 or f32, not u16");
+  const Mesh& mesh = mesh_of(scene, baked);
+  const bool is_float = options.color == ColorStorage::f32;
+  const float exposure = std::exp2(options.exposure_stops);
+
+  WrittenColors written;
+  std::vector<LinearRgb> colors(mesh.n_vertices());
+  const std::vector<std::uint32_t> materials = materials_of_vertices(mesh);
+  parallel_blocks(mesh.n_vertices(), 4096, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin; v < end; ++v)
+      colors[v] = color_at(scene, mesh, scene.materials[materials[v]], baked.colors[v], v) * exposure;
+  });
+  std::size_t n_non_finite = 0;
+  for (LinearRgb& c : colors) {
+    if (!is_finite(c)) c = {0, 0, 0}, ++n_non_finite;
+    written.clipped_vertices += !is_float && std::max({c.r, c.g, c.b}) > 1;
+  }
+  add_finding(written.findings, "non_finite_baked_colors", n_non_finite,
+              "vertices have a baked colour that is not finite; black instead");
+
+  OutputFile file(path);
+  file.write(make_header(mesh, is_float));
+  const bool has_normals = !mesh.normals.empty(), has_texcoords = !mesh.texcoords[0].empty();
+  const std::size_t row_size = 12 + (has_normals ? 12 : 0) + (has_texcoords ? 8 : 0) + (is_float ? 12 : 4);
+  write_rows(file, mesh.n_vertices(), row_size, [&](std::size_t v, char* row) {
+    append(row, mesh.positions[v]);
+    if (has_normals) append(row, mesh.normals[v]);
+    if (has_texcoords) append(row, glm::vec2(mesh.texcoords[0][v].x, 1 - mesh.texcoords[0][v].y));
+    if (is_float) {
+      append(row, colors[v]);
+    } else {
+      append(row, to_srgb8(colors[v]));
+      const float opacity = mesh.opacities.empty() ? 1.0f : std::clamp(mesh.opacities[v], 0.0f, 1.0f);
+      append(row, static_cast<std::uint8_t>(opacity * 255.0f + 0.5f));
+    }
+  });
+  write_rows(file, mesh.n_triangles(), 13, [&](std::size_t t, char* row) {
+    append(row, std::uint8_t{3});
+    append(row, mesh.triangles[t]);
+  });
+  file.commit();
+  return written;
+}
+
+}  // namespace lambake

@@ -1,0 +1,488 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <limits>
+#include <optional>
+#include <span>
+
+#include "lambake/core/error.h"
+#include "lambake/geometry/split_corners.h"
+#include "lambake/io/canonical_file.h"
+#include "lambake/io/file_color.h"
+#include "lambake/io/file_texture.h"
+#include "lambake/io/ply_header.h"
+#include "lambake/io/text_cursor.h"
+
+namespace lambake {
+namespace {
+
+/// Values of an ASCII body. Like every reader of PLY it takes line ends for blanks.
+class AsciiBody {
+ public:
+  AsciiBody(const std::string& path, std::string_view text, std::size_t first_line)
+      : cursor_(path, text, 0, first_line) {}
+
+  double number(PlyType type) {
+    cursor_.skip_to_token();
+    if (is_float(type)) return cursor_.number("a number");
+    return static_cast<double>(cursor_.integer<std::int64_t>("a whole number"));
+  }
+  float number_f32(PlyType type) { return static_cast<float>(number(type)); }
+  std::int64_t integer(PlyType) {
+    cursor_.skip_to_token();
+    return cursor_.integer<std::int64_t>("a whole number");
+  }
+  std::size_t remaining() const { return cursor_.remaining(); }
+  std::size_t least_size(PlyType) const { return 2; }
+  std::string place() const { return fmt::format("line {}", cursor_.line()); }
+
+ private:
+  TextCursor cursor_;
+};
+
+template <typename T, bool is_big_endian>
+T load(const char* bytes) {
+  T value;
+  if constexpr (is_big_endian) {
+    char swapped[sizeof(T)];
+    std::reverse_copy(bytes, bytes + sizeof(T), swapped);
+    std::memcpy(&value, swapped, sizeof(T));
+  } else {
+    std::memcpy(&value, bytes, sizeof(T));
+  }
+  return value;
+}
+
+/// Values of a binary body.
+template <bool is_big_endian>
+class BinaryBody {
+ public:
+  BinaryBody(const std::string& path, std::string_view text, std::size_t header_size)
+      : path_(path), begin_(text.data() - header_size), at_(text.data()), end_(text.data() + text.size()) {}
+
+  double number(PlyType type) {
+    if (type == PlyType::f32) return load<float, is_big_endian>(take(4));
+    if (type == PlyType::f64) return load<double, is_big_endian>(take(8));
+    return static_cast<double>(integer(type));
+  }
+  float number_f32(PlyType type) { return static_cast<float>(number(type)); }
+  std::int64_t integer(PlyType type) {
+    const char* const bytes = take(size_of(type));
+    switch (type) {
+      case PlyType::i8:
+        return load<std::int8_t, is_big_endian>(bytes);
+      case PlyType::u8:
+        return load<std::uint8_t, is_big_endian>(bytes);
+      case PlyType::i16:
+        return load<std::int16_t, is_big_endian>(bytes);
+      case PlyType::u16:
+        return load<std::uint16_t, is_big_endian>(bytes);
+      case PlyType::i32:
+        return load<std::int32_t, is_big_endian>(bytes);
+      case PlyType::u32:
+        return load<std::uint32_t, is_big_endian>(bytes);
+      default:
+        throw IoError(path_, place() + ": expected a whole number, found a property of type float");
+    }
+  }
+  std::size_t remaining() const { return static_cast<std::size_t>(end_ - at_); }
+  std::size_t least_size(PlyType type) const { return size_of(type); }
+  std::string place() const { return fmt::format("byte {}", at_ - begin_); }
+
+ private:
+  const char* take(std::size_t n) {
+    if (remaining() < n)
+      throw IoError(path_, fmt::format("byte {}: expected {} more bytes, found the end of the file",
+                                       at_ - begin_, n - remaining()));
+    const char* const bytes = at_;
+    at_ += n;
+    return bytes;
+  }
+
+  const std::string& path_;
+  const char* begin_;
+  const char* at_;
+  const char* end_;
+};
+
+enum class Role { none, x, y, z, nx, ny, nz, u, v, red, green, blue, alpha, indices, texcoords, texture };
+constexpr std::size_t n_scalar_roles = static_cast<std::size_t>(Role::alpha) + 1;
+
+Role role_in_vertex(const PlyProperty& p) {
+  constexpr std::pair<std::string_view, Role> names[] = {{"x", Role::x},
+                                                         {"y", Role::y},
+                                                         {"z", Role::z},
+                                                         {"nx", Role::nx},
+                                                         {"ny", Role::ny},
+                                                         {"nz", Role::nz},
+                                                         {"u", Role::u},
+                                                         {"s", Role::u},
+                                                         {"texture_u", Role::u},
+                                                         {"v", Role::v},
+                                                         {"t", Role::v},
+                                                         {"texture_v", Role::v},
+                                                         {"red", Role::red},
+                                                         {"green", Role::green},
+                                                         {"blue", Role::blue},
+                                                         {"alpha", Role::alpha},
+                                                         {"diffuse_red", Role::red},
+                                                         {"diffuse_green", Role::green},
+                                                         {"diffuse_blue", Role::blue}};
+  if (!p.is_list)
+    for (const auto& [name, role] : names)
+      if (name == p.name) return role;
+  return Role::none;
+}
+
+Role role_in_face(const PlyProperty& p) {
+  if (p.is_list) {
+    if (p.name == "vertex_indices" || p.name == "vertex_index") return Role::indices;
+    return p.name == "texcoord" ? Role::texcoords : Role::none;
+  }
+  if (p.name == "red") return Role::red;
+  if (p.name == "green") return Role::green;
+  if (p.name == "blue") return Role::blue;
+  return p.name == "texnumber" ? Role::texture : Role::none;
+}
+
+/// What a colour channel is divided by to lie in [0,1].
+float channel_scale(PlyType type) {
+  if (is_float(type)) return 1;
+  return type == PlyType::u16 ? 65535.0f : 255.0f;
+}
+
+void append_bytes(std::string& bytes, const void* data, std::size_t size) {
+  bytes.append(static_cast<const char*>(data), size);
+}
+
+/// Turns the body into the canonical file.
+template <typename Body>
+class PlyScan {
+ public:
+  PlyScan(const std::string& path, const PlyHeader& header, Body body, CanonicalFile& file)
+      : path_(path), header_(header), body_(body), file_(file) {}
+
+  void run() {
+    const PlyElement* vertex = find("vertex");
+    if (vertex == nullptr) throw IoError(path_, "header: expected an element \"vertex\", found none");
+    if (vertex->count > std::numeric_limits<std::int32_t>::max())
+      throw IoError(path_, fmt::format("line {}: expected fewer than 2^31 vertices, found {}", vertex->line,
+                                       vertex->count));
+    const PlyElement* face = find("face");
+    if (face == nullptr || face->count == 0) face = find("tristrips");
+    if (face == nullptr || face->count == 0)
+      throw IoError(path_, "header: expected faces, found none (a point cloud has nothing to light)");
+    file_.n_vertices = vertex->count;
+    splitter_.emplace(vertex->count);
+    for (const PlyElement& element : header_.elements) {
+      if (&element == vertex) {
+        scan_vertices(element);
+      } else if (&element == face && face->name == "face") {
+        scan_faces(element);
+      } else if (&element == face) {
+        scan_strips(element);
+      } else {
+        skip(element);
+      }
+    }
+    finish();
+  }
+
+ private:
+  const PlyElement* find(std::string_view name) const {
+    for (const PlyElement& element : header_.elements)
+      if (element.name == name) return &element;
+    return nullptr;
+  }
+
+  std::size_t list_length(const PlyProperty& p) {
+    const std::int64_t n = body_.integer(p.count_type);
+    if (n < 0 || static_cast<std::size_t>(n) > (body_.remaining() + 1) / body_.least_size(p.type))
+      throw IoError(path_, fmt::format("{}: expected the length of \"{}\", found {} with {} bytes left",
+                                       body_.place(), p.name, n, body_.remaining()));
+    return static_cast<std::size_t>(n);
+  }
+  void skip(const PlyProperty& p) {
+    const std::size_t n = p.is_list ? list_length(p) : 1;
+    for (std::size_t i = 0; i < n; ++i) body_.number(p.type);
+  }
+  void skip(const PlyElement& element) {
+    if (element.properties.empty()) return;
+    for (std::size_t i = 0; i < element.count; ++i)
+      for (const PlyProperty& p : element.properties) skip(p);
+  }
+
+  void scan_vertices(const PlyElement& element) {
+    std::vector<Role> roles;
+    bool has[n_scalar_roles] = {};
+    float scales[n_scalar_roles] = {};
+    for (const PlyProperty& p : element.properties) {
+      const Role role = role_in_vertex(p);
+      roles.push_back(role);
+      has[static_cast<std::size_t>(role)] = true;
+      scales[static_cast<std::size_t>(role)] = 1 / channel_scale(p.type);
+    }
+    const auto has_all = [&](std::initializer_list<Role> all) {
+      return std::all_of(all.begin(), all.end(), [&](Role r) { return has[static_cast<std::size_t>(r)]; });
+    };
+    if (!has_all({Role::x, Role::y, Role::z}))
+      throw IoError(path_,
+                    fmt::format("line {}: expected properties x, y and z of \"vertex\"", element.line));
+    file_.has_normals = has_all({Role::nx, Role::ny, Role::nz});
+    file_.has_texcoords = has_all({Role::u, Role::v});
+    const bool has_colors = has_all({Role::red, Role::green, Role::blue});
+    if (has_colors) file_.colors.reserve(element.count);
+    const bool has_alpha = has_colors && has_all({Role::alpha});
+    if (has_alpha) file_.opacities.reserve(element.count);
+    row_size_ = 4 * (3 + (file_.has_normals ? 3 : 0) + (file_.has_texcoords ? 2 : 0));
+    vertex_rows_.reserve(row_size_ * element.count);
+    float values[n_scalar_roles] = {};
+    const auto value = [&](Role role) { return values[static_cast<std::size_t>(role)]; };
+    for (std::size_t i = 0; i < element.count; ++i) {
+      for (std::size_t p = 0; p < roles.size(); ++p) {
+        if (roles[p] == Role::none) {
+          skip(element.properties[p]);
+        } else {
+          values[static_cast<std::size_t>(roles[p])] = body_.number_f32(element.properties[p].type);
+        }
+      }
+      append_bytes(vertex_rows_, &values[static_cast<std::size_t>(Role::x)], 12);
+      if (file_.has_normals) append_bytes(vertex_rows_, &values[static_cast<std::size_t>(Role::nx)], 12);
+      if (file_.has_texcoords) append_bytes(vertex_rows_, &values[static_cast<std::size_t>(Role::u)], 8);
+      if (has_colors)
+        file_.colors.push_back({value(Role::red) * scales[static_cast<std::size_t>(Role::red)],
+                                value(Role::green) * scales[static_cast<std::size_t>(Role::green)],
+                                value(Role::blue) * scales[static_cast<std::size_t>(Role::blue)]});
+      if (has_alpha)
+        file_.opacities.push_back(value(Role::alpha) * scales[static_cast<std::size_t>(Role::alpha)]);
+    }
+  }
+
+  void scan_faces(const PlyElement& element) {
+    file_.n_faces = element.count;
+    std::vector<Role> roles;
+    const PlyProperty* channels[3] = {};
+    bool has_texcoords = false, has_texture = false, has_indices = false;
+    for (const PlyProperty& p : element.properties) {
+      roles.push_back(role_in_face(p));
+      if (roles.back() >= Role::red && roles.back() <= Role::blue)
+        channels[static_cast<int>(roles.back()) - static_cast<int>(Role::red)] = &p;
+      has_texcoords = has_texcoords || roles.back() == Role::texcoords;
+      has_texture = has_texture || roles.back() == Role::texture;
+      has_indices = has_indices || roles.back() == Role::indices;
+    }
+    if (!has_indices)
+      throw IoError(path_,
+                    fmt::format("line {}: expected a list \"vertex_indices\" of \"face\"", element.line));
+    // Colours of the vertices are finer than those of the faces: where a file has both, they win.
+    const PlyElement& vertex = *find("vertex");
+    const bool vertex_has_colors = std::any_of(vertex.properties.begin(), vertex.properties.end(),
+                                               [](const auto& p) { return role_in_vertex(p) == Role::red; });
+    const bool has_colors = channels[0] && channels[1] && channels[2] && !vertex_has_colors;
+    if (has_colors) face_corner_colors_ = true;
+    if (has_texcoords) {
+      file_.texcoords.assign(file_.n_vertices, glm::vec2(0));
+    }
+    if (has_colors) file_.colors.assign(file_.n_vertices, LinearRgb{1, 1, 1});
+    face_rows_.reserve(std::min(body_.remaining() + 4 * element.count, element.count * 64));
+
+    std::vector<std::uint32_t> corners;
+    std::vector<float> texcoords;
+    std::size_t n_odd_texcoords = 0;
+    for (std::size_t f = 0; f < element.count; ++f) {
+      float color[3] = {1, 1, 1};
+      std::int64_t texture = 0;
+      texcoords.clear();
+      for (std::size_t p = 0; p < roles.size(); ++p) {
+        const PlyProperty& property = element.properties[p];
+        switch (roles[p]) {
+          case Role::indices:
+            read_indices(property, corners);
+            break;
+          case Role::texcoords:
+            texcoords.resize(list_length(property));
+            for (float& t : texcoords) t = body_.number_f32(property.type);
+            break;
+          case Role::texture:
+            texture = static_cast<std::int64_t>(body_.number(property.type));
+            break;
+          case Role::red:
+          case Role::green:
+          case Role::blue:
+            color[static_cast<int>(roles[p]) - static_cast<int>(Role::red)] =
+                body_.number_f32(property.type) / channel_scale(property.type);
+            break;
+          default:
+            skip(property);
+        }
+      }
+      if (has_texture) file_.face_materials.push_back(material_of_texture(texture));
+      if (has_colors || has_texcoords) {
+        const LinearRgb c{color[0], color[1], color[2]};
+        const std::uint32_t number = has_colors ? color_numbers_.number_of(c.r, c.g, c.b) : 0;
+        const bool is_mapped = texcoords.size() == 2 * corners.size();
+        n_odd_texcoords += has_texcoords && !is_mapped;
+        for (std::size_t i = 0; i < corners.size(); ++i) {
+          const glm::vec2 t = is_mapped ? glm::vec2(texcoords[2 * i], texcoords[2 * i + 1]) : glm::vec2(0);
+          corners[i] = split(corners[i], t, c, number, has_texcoords, has_colors);
+        }
+      }
+      append_face(f, corners);
+    }
+    add_finding(file_.findings, "odd_texcoords", n_odd_texcoords,
+                "faces have no texture coordinate for each corner; (0,0) instead");
+  }
+
+  std::uint32_t material_of_texture(std::int64_t number) const {
+    const auto n = static_cast<std::int64_t>(header_.texture_files.size());
+    return number >= 0 && number < n ? static_cast<std::uint32_t>(number) : static_cast<std::uint32_t>(n);
+  }
+
+  std::uint32_t split(std::uint32_t vertex, const glm::vec2& texcoord, const LinearRgb& color,
+                      std::uint32_t color_number, bool has_texcoords, bool has_colors) {
+    const std::uint32_t id = splitter_->vertex_for(
+        vertex,
+        {std::bit_cast<std::uint32_t>(texcoord.x), std::bit_cast<std::uint32_t>(texcoord.y), color_number});
+    const auto set = [id](auto& values, const auto& value) {
+      if (id == values.size()) values.push_back(value);
+      values[id] = value;
+    };
+    if (has_texcoords) set(file_.texcoords, texcoord);
+    if (has_colors) set(file_.colors, color);
+    return id;
+  }
+
+  void read_indices(const PlyProperty& p, std::vector<std::uint32_t>& corners) {
+    corners.resize(list_length(p));
+    for (std::uint32_t& corner : corners) corner = check_index(body_.integer(p.type));
+  }
+  std::uint32_t check_index(std::int64_t index) {
+    if (index < 0 || index >= static_cast<std::int64_t>(file_.n_vertices))
+      throw IoError(path_, fmt::format("{}: expected a vertex index below {}, found {}", body_.place(),
+                                       file_.n_vertices, index));
+    return static_cast<std::uint32_t>(index);
+  }
+
+  void append_face(std::size_t index, std::span<const std::uint32_t> corners) {
+    if (corners.size() < 3) {
+      if (n_too_small_++ == 0)
+        for (std::size_t f = 0; f < n_kept_; ++f) file_.face_indices.push_back(static_cast<std::uint32_t>(f));
+      return;
+    }
+    if (n_too_small_ > 0) file_.face_indices.push_back(static_cast<std::uint32_t>(index));
+    ++n_kept_;
+    const auto n = static_cast<std::uint32_t>(corners.size());
+    append_bytes(face_rows_, &n, 4);
+    append_bytes(face_rows_, corners.data(), 4 * corners.size());
+  }
+
+  /// Triangle strips: lists of indices in which a negative one ends a strip; every second triangle of a strip
+  /// winds the other way.
+  void scan_strips(const PlyElement& element) {
+    const PlyProperty* indices = nullptr;
+    for (const PlyProperty& p : element.properties)
+      if (role_in_face(p) == Role::indices) indices = &p;
+    if (indices == nullptr)
+      throw IoError(
+          path_, fmt::format("line {}: expected a list \"vertex_indices\" of \"tristrips\"", element.line));
+    for (std::size_t s = 0; s < element.count; ++s)
+      for (const PlyProperty& p : element.properties) {
+        if (&p != indices) {
+          skip(p);
+          continue;
+        }
+        std::uint32_t last[2] = {};
+        std::size_t n_in_strip = 0;
+        const std::size_t n = list_length(p);
+        for (std::size_t i = 0; i < n; ++i) {
+          const std::int64_t index = body_.integer(p.type);
+          if (index < 0) {
+            n_in_strip = 0;
+            continue;
+          }
+          const std::uint32_t v = check_index(index);
+          if (n_in_strip >= 2) {
+            const bool is_odd = n_in_strip % 2 == 1;
+            const std::uint32_t corners[3] = {last[is_odd ? 1 : 0], last[is_odd ? 0 : 1], v};
+            append_face(file_.n_faces++, corners);
+          }
+          last[0] = last[1];
+          last[1] = v;
+          ++n_in_strip;
+        }
+      }
+    if (file_.n_faces == 0) throw IoError(path_, "tristrips: expected triangles, found none");
+  }
+
+  void finish() {
+    add_finding(file_.findings, "faces_below_three_corners", n_too_small_,
+                "faces have fewer than three corners; left out");
+    if (n_kept_ == 0) throw IoError(path_, "expected faces of three or more corners, found none");
+    file_.copied_vertices = splitter_->copies();
+    if (!header_.has_linear_colors) decode_file_colors(file_.colors, file_.findings);
+    // Opacities of copies: they only exist with vertex colours, which leave no reason to copy but texcoords.
+    for (const std::uint32_t v : file_.copied_vertices) {
+      if (!file_.opacities.empty()) file_.opacities.push_back(file_.opacities[v]);
+      if (!file_.colors.empty() && !face_corner_colors_) file_.colors.push_back(file_.colors[v]);
+    }
+    for (const std::string& name : header_.texture_files) {
+      Material material;
+      material.name = name;
+      material.base_color_texture = add_file_texture(path_, name, file_);
+      file_.materials.push_back(material);
+    }
+    if (!file_.materials.empty()) file_.materials.emplace_back();  // For faces without one.
+
+    std::string& out = file_.bytes;
+    out = fmt::format(
+        "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty float x\nproperty float y\n"
+        "property float z\n{}{}element face {}\nproperty list int int vertex_indices\nend_header\n",
+        file_.n_vertices + file_.copied_vertices.size(),
+        file_.has_normals ? "property float nx\nproperty float ny\nproperty float nz\n" : "",
+        file_.has_texcoords ? "property float u\nproperty float v\n" : "", n_kept_);
+    out.reserve(out.size() + vertex_rows_.size() + row_size_ * file_.copied_vertices.size() +
+                face_rows_.size());
+    out += vertex_rows_;
+    for (const std::uint32_t v : file_.copied_vertices) out.append(vertex_rows_, v * row_size_, row_size_);
+    out += face_rows_;
+  }
+
+  const std::string& path_;
+  const PlyHeader& header_;
+  Body body_;
+  CanonicalFile& file_;
+  std::optional<CornerSplitter> splitter_;
+  ValueNumbers color_numbers_;
+  bool face_corner_colors_ = false;
+  std::string vertex_rows_, face_rows_;
+  std::size_t row_size_ = 0;
+  std::size_t n_kept_ = 0, n_too_small_ = 0;
+};
+
+}  // namespace
+
+CanonicalFile scan_ply(const std::string& path, std::string&& text) {
+  const PlyHeader header = read_ply_header(path, text);
+  const std::string_view body = std::string_view(text).substr(header.size);
+  CanonicalFile file;
+  file.extension = "ply";
+  switch (header.encoding) {
+    case PlyEncoding::ascii:
+      file.format = "PLY ascii";
+      PlyScan(path, header, AsciiBody(path, body, header.n_lines + 1), file).run();
+      break;
+    case PlyEncoding::little_endian:
+      file.format = "PLY binary LE";
+      PlyScan(path, header, BinaryBody<false>(path, body, header.size), file).run();
+      break;
+    case PlyEncoding::big_endian:
+      file.format = "PLY binary BE";
+      PlyScan(path, header, BinaryBody<true>(path, body, header.size), file).run();
+      break;
+  }
+  return file;
+}
+
+}  // namespace lambake

@@ -1,0 +1,102 @@
+#include "lambake/io/ply_write.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+
+#include "lambake/core/error.h"
+
+namespace lambake {
+namespace {
+
+class PlyWrite : public testing::Test {
+ protected:
+  PlyWrite() {
+    scene.materials.emplace_back();
+    Mesh& mesh = scene.mesh;
+    mesh.positions = {{0, 0, 0}, {1, 0, 0.25f}, {0, 1, -3e20f}, {1e-30f, 1, 1}};
+    mesh.normals = {{0, 0, 1}, {0, 1, 0}, {1, 0, 0}, {0, 0, -1}};
+    mesh.texcoords[0] = {{0, 0}, {1, 0.25f}, {0.5f, 1}, {2, -1}};
+    mesh.opacities = {1, 0.5f, 0, 1};
+    mesh.triangles = {{0, 1, 2}, {2, 1, 3}};
+    baked.colors = {{0, 0.5f, 1}, {0.18f, 0.002f, 0.9f}, {0.25f, 0.75f, 0.1f}, {1, 1, 1}};
+  }
+  ~PlyWrite() override { std::filesystem::remove(path); }
+
+  Mesh write_and_read(const PlyWriteOptions& options = {}) {
+    written = write_ply_file(path, scene, baked, options);
+    return read_scene_file(path).scene.mesh;
+  }
+
+  Scene scene;
+  BakedColors baked;
+  WrittenColors written;
+  std::string path = testing::TempDir() + "lambake_ply_write.ply";
+};
+
+TEST_F(PlyWrite, ReadAgain_IsTheSameMesh) {
+  const Mesh mesh = write_and_read();
+  EXPECT_EQ(mesh.positions, scene.mesh.positions);
+  EXPECT_EQ(mesh.normals, scene.mesh.normals);
+  EXPECT_EQ(mesh.texcoords[0], scene.mesh.texcoords[0]);
+  EXPECT_EQ(mesh.triangles, scene.mesh.triangles);
+  ASSERT_EQ(mesh.colors.size(), 4u);
+  for (std::size_t v = 0; v < 4; ++v) EXPECT_EQ(to_srgb8(mesh.colors[v]), to_srgb8(baked.colors[v]));
+  ASSERT_EQ(mesh.opacities.size(), 4u);
+  EXPECT_NEAR(mesh.opacities[1], 0.5f, 1.0f / 255);
+  EXPECT_EQ(written.clipped_vertices, 0u);
+}
+
+TEST_F(PlyWrite, FloatColors_ComeBackToTheBitAndUnclamped) {
+  baked.colors[0] = {0.001f, 4, 1e-9f};
+  const Mesh mesh = write_and_read({.color = ColorStorage::f32});
+  EXPECT_EQ(mesh.colors, baked.colors);
+  EXPECT_EQ(written.clipped_vertices, 0u);
+}
+
+TEST_F(PlyWrite, ColorsAboveOne_AreCounted) {
+  baked.colors[3] = {1, 1.01f, 1};
+  write_and_read();
+  EXPECT_EQ(written.clipped_vertices, 1u);
+  write_and_read({.exposure_stops = -1});
+  EXPECT_EQ(written.clipped_vertices, 0u);
+}
+
+TEST_F(PlyWrite, MaterialAndEmission_AreInTheColor) {
+  scene.materials[0].base_color = {0.5f, 0.25f, 1};
+  scene.materials[0].emission = {0, 0, 0.125f};
+  const Mesh mesh = write_and_read({.color = ColorStorage::f32});
+  EXPECT_EQ(mesh.colors[0], (LinearRgb{0, 0.125f, 1.125f}));
+}
+
+TEST_F(PlyWrite, Texture_IsSampledAtTheVertex) {
+  Image image;
+  image.width = image.height = 1;
+  image.pixels = {{0.5f, 0.25f, 0, 1}};
+  scene.images = {image};
+  scene.textures.emplace_back();
+  scene.materials[0].base_color_texture = 0;
+  const Mesh mesh = write_and_read({.color = ColorStorage::f32});
+  EXPECT_EQ(mesh.colors[3], (LinearRgb{0.5f, 0.25f, 0}));
+}
+
+TEST_F(PlyWrite, PositionsThatAreNotFinite_StayAndColorsThatAreNot_BecomeBlack) {
+  scene.mesh.positions[3] = {NAN, INFINITY, 0};
+  baked.colors[3] = {NAN, 1, 1};
+  const Mesh mesh = write_and_read();
+  EXPECT_TRUE(std::isnan(mesh.positions[3].x));
+  EXPECT_TRUE(std::isinf(mesh.positions[3].y));
+  EXPECT_EQ(mesh.colors[3], LinearRgb{});
+  ASSERT_EQ(written.findings.size(), 1u);
+  EXPECT_EQ(written.findings[0].count, 1u);
+}
+
+TEST_F(PlyWrite, FolderThatIsNotThere_ThrowsAndLeavesNothing) {
+  EXPECT_THROW(write_ply_file(testing::TempDir() + "lambake_no_folder/x.ply", scene, baked, {}), IoError);
+  EXPECT_THROW(write_ply_file(path, scene, baked, {.color = ColorStorage::u16}), InvalidOption);
+  EXPECT_FALSE(std::filesystem::exists(path));
+}
+
+}  // namespace
+}  // namespace lambake
