@@ -58,6 +58,9 @@ Real srgb_decode(Real encoded) {
                                   : std::pow((encoded + Real(0.055)) / Real(1.055), Real(2.4));
 }
 
+/// Where colours are compared: as they are, or as a screen shows them (sRGB-encoded, clamped to [0,1]).
+enum class ErrorSpace { linear, display };
+
 /// Encoded, clamped to [0,1] and rounded to the nearest of 256 steps; NaN becomes 0.
 inline std::uint8_t srgb8_channel(float linear) {
   if (!(linear > 0.0f)) return 0;

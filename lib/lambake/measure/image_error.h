@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "lambake/core/color.h"
 #include "lambake/render/visibility.h"
 #include "lambake/scene/picture.h"
 
@@ -28,8 +29,6 @@ struct ImageError {
   std::array<std::size_t, 256> histogram{};  ///< Pixels by their largest channel difference in steps of 1/255
                                              ///< (rounded; the last takes the rest).
 };
-
-enum class ErrorSpace { linear, display };
 
 /// Compares `test` with `reference` where `visibility` is covered.
 /// @throws InvalidOption if sizes differ.

@@ -104,7 +104,8 @@ class TriangleError {
     std::vector<glm::dmat3> parts{glm::dmat3(1.0)}, next;
     for (const std::uint32_t light : lights_) {
       next.clear();
-      for (const glm::dmat3& part : parts) cut_at_terminator(surface_.scene().lights[light], part, next);
+      for (const glm::dmat3& part : parts)
+        cut_at_terminator(surface_.scene().lights[light], patch_, part, next);
       if (next.size() > max_parts) break;
       parts.swap(next);
     }
@@ -133,26 +134,6 @@ class TriangleError {
   const Patch& patch() const { return patch_; }
 
  private:
-  void cut_at_terminator(const Light& light, const glm::dmat3& part, std::vector<glm::dmat3>& out) const {
-    const Patch cut = part_of(patch_, part);
-    glm::dvec3 s;
-    for (int c = 0; c < 3; ++c) s[c] = facing(light, cut.positions[c], cut.normals[c]);
-    // The corner that is alone on its side.
-    int alone = -1;
-    for (int c = 0; c < 3; ++c)
-      if (s[c] * s[(c + 1) % 3] < 0 && s[c] * s[(c + 2) % 3] < 0) alone = c;
-    if (alone < 0) {
-      out.push_back(part);
-      return;
-    }
-    const int j = (alone + 1) % 3, k = (alone + 2) % 3;
-    const glm::dvec3 at_j = glm::mix(part[alone], part[j], terminator_on_edge(light, cut, alone, j));
-    const glm::dvec3 at_k = glm::mix(part[alone], part[k], terminator_on_edge(light, cut, alone, k));
-    out.emplace_back(part[alone], at_j, at_k);
-    out.emplace_back(at_j, part[j], part[k]);
-    out.emplace_back(at_j, part[k], at_k);
-  }
-
   const ComparedSurface& surface_;
   std::size_t triangle_;
   ErrorSpace space_;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <span>
+#include <vector>
 
 #include "lambake/core/color.h"
 #include "lambake/shading/lambert.h"
@@ -92,6 +93,28 @@ inline double terminator_on_edge(const Light& light, const Patch& patch, int i, 
                             facing(light, patch.positions[j], patch.normals[i]));
   const double root = std::sqrt(std::max(0.0, s01 * s01 - s0 * s1));
   return std::clamp(s0 / (s0 - s01 + std::copysign(root, s0)), 0.0, 1.0);
+}
+
+/// Appends to `out` the pieces of the part of `whole` with the given corners, cut along the chord of the
+/// light's terminator: three, or the part itself where the terminator does not cross it.
+inline void cut_at_terminator(const Light& light, const Patch& whole, const glm::dmat3& part,
+                              std::vector<glm::dmat3>& out) {
+  const Patch cut = part_of(whole, part);
+  glm::dvec3 s;
+  for (int c = 0; c < 3; ++c) s[c] = facing(light, cut.positions[c], cut.normals[c]);
+  int alone = -1;  // The corner that is alone on its side.
+  for (int c = 0; c < 3; ++c)
+    if (s[c] * s[(c + 1) % 3] < 0 && s[c] * s[(c + 2) % 3] < 0) alone = c;
+  if (alone < 0) {
+    out.push_back(part);
+    return;
+  }
+  const int j = (alone + 1) % 3, k = (alone + 2) % 3;
+  const glm::dvec3 at_j = glm::mix(part[alone], part[j], terminator_on_edge(light, cut, alone, j));
+  const glm::dvec3 at_k = glm::mix(part[alone], part[k], terminator_on_edge(light, cut, alone, k));
+  out.emplace_back(part[alone], at_j, at_k);
+  out.emplace_back(at_j, part[j], part[k]);
+  out.emplace_back(at_j, part[k], at_k);
 }
 
 }  // namespace lambake

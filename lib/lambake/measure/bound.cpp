@@ -1,0 +1,52 @@
+#include "lambake/measure/bound.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lambake/core/parallel.h"
+#include "lambake/measure/surface.h"
+
+namespace lambake {
+
+SurfaceBound surface_bound(const Scene& scene, const BakedColors& baked, const BoundOptions& options) {
+  const ComparedSurface surface(scene, baked);
+  const std::size_t n = surface.n_triangles();
+  constexpr float infinity = std::numeric_limits<float>::infinity();
+  constexpr std::size_t block_size = 256;
+  std::vector<PatchBound> bounds(n);
+  parallel_blocks(n, block_size, [&](std::size_t begin, std::size_t end) {
+    std::vector<std::uint32_t> lights;
+    for (std::size_t f = begin; f < end; ++f) {
+      const Patch patch = surface.patch(f);
+      const double area = glm::length(ComparedSurface::area_vector(patch));
+      if (!(area > 0) || !std::isfinite(area)) continue;
+      lights.clear();
+      for (std::uint32_t i = 0; i < scene.lights.size(); ++i)
+        if (!is_unreached(scene.lights[i], patch)) lights.push_back(i);
+      bounds[f] = bound_patch(patch, surface.finish_range(f), scene.lights, lights, options);
+    }
+  });
+
+  SurfaceBound result;
+  result.triangle_bound.resize(n);
+  result.triangle_found.resize(n);
+  std::size_t worst = 0;
+  for (std::size_t f = 0; f < n; ++f) {
+    const PatchBound& b = bounds[f];
+    result.triangle_bound[f] = b.bound > 0 ? std::nextafter(static_cast<float>(b.bound), infinity) : 0.0f;
+    result.triangle_found[f] = b.found > 0 ? std::nextafter(static_cast<float>(b.found), 0.0f) : 0.0f;
+    result.unbounded_triangles += !std::isfinite(b.bound);
+    result.max_found = std::max(result.max_found, b.found);
+    if (b.bound > bounds[worst].bound) worst = f;
+  }
+  if (n == 0) return result;
+  result.max_bound = bounds[worst].bound;
+  result.worst.triangle = static_cast<std::uint32_t>(worst);
+  result.worst.source_face = surface.mesh().source_face_of(worst);
+  result.worst.barycentrics = bounds[worst].found_at;
+  result.worst.position = surface.patch(worst).positions * bounds[worst].found_at;
+  result.worst.error = bounds[worst].found;
+  return result;
+}
+
+}  // namespace lambake

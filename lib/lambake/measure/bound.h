@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "lambake/bake/bake.h"
+#include "lambake/measure/surface_error.h"
+#include "lambake/scene/scene.h"
+#include "lambake/shading/patch_bound.h"
+
+namespace lambake {
+
+/// Upper bounds of |G − F|, never below the truth (docs/bound.md).
+struct SurfaceBound {
+  double max_bound = 0;               ///< Of all triangles and channels; infinite if one has no bound.
+  double max_found = 0;               ///< The largest error met on the way: never above the truth.
+  SurfacePlace worst;                 ///< Where max_bound is: its triangle, and the worst place found there.
+  std::vector<float> triangle_bound;  ///< F', rounded up; infinite where a light lies on the surface.
+  std::vector<float> triangle_found;  ///< F', rounded down.
+  std::size_t unbounded_triangles = 0;  ///< With an infinite bound.
+};
+
+/// Bounds the error of every triangle that has an area. Colours are taken as `baked` has them: store them as
+/// the output does (measure/stored_colors.h) to have its quantisation and clipping included. Linear in
+/// triangles × lights; deterministic for any number of threads.
+SurfaceBound surface_bound(const Scene& scene, const BakedColors& baked, const BoundOptions& options);
+
+}  // namespace lambake

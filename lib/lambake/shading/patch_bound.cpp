@@ -1,0 +1,287 @@
+#include "lambake/shading/patch_bound.h"
+
+#include <algorithm>
+#include <array>
+#include <queue>
+#include <vector>
+
+namespace lambake {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+/// A square this much smaller than its largest corner is not told from 0: parts get smaller until it is.
+constexpr double vanishing = 1e-5;
+
+/// u·v of two vectors that are linear over the triangle: exact in this form.
+Enclosure dot(const glm::dmat3& u, const glm::dmat3& v) {
+  Enclosure e;
+  double size = 0;
+  for (int k = 0; k < 3; ++k) {
+    const int next = (k + 1) % 3;
+    e.linear[static_cast<std::size_t>(k)] = glm::dot(u[k], v[k]);
+    e.quadratic[static_cast<std::size_t>(k)] = -glm::dot(u[next] - u[k], v[next] - v[k]);
+    size = std::max(size, glm::dot(u[k], u[k]) + glm::dot(v[k], v[k]));
+  }
+  widen(e, 4 * size);
+  return e;
+}
+
+Enclosure linear(double a, double b, double c) {
+  return {{a, b, c}, {}, 0, 0};
+}
+
+bool is_positive(const Enclosure& square) {
+  return range(square).low > vanishing * std::max({square.linear[0], square.linear[1], square.linear[2]});
+}
+
+/// Falloff window and cone, as falloff() and spot_cone() of lambert.h have them.
+Enclosure window_over(const Light& light, const Enclosure& distance_squared) {
+  const Enclosure ratio = (1 / (double(light.range) * double(light.range))) * distance_squared;
+  return positive_part(linear(1, 1, 1) + -1.0 * (ratio * ratio));
+}
+
+Enclosure cone_over(const Light& light, const glm::dmat3& to_light, const Enclosure& inverse_distance) {
+  const double cos_outer = std::cos(double(light.outer_cone_rad));
+  const double scale = 1 / std::max(0.001, std::cos(double(light.inner_cone_rad)) - cos_outer);
+  const glm::dvec3 axis(light.spot_direction);
+  const Enclosure along = dot(to_light, glm::dmat3(-axis, -axis, -axis)) * inverse_distance;
+  const Enclosure x = scale * (along + linear(-cos_outer, -cos_outer, -cos_outer));
+  const Enclosure ramp = positive_part(x) + -1.0 * positive_part(x + linear(-1, -1, -1));
+  return ramp * ramp;
+}
+
+}  // namespace
+
+Enclosure received_over(const Light& light, const Patch& patch, const Enclosure& inverse_length,
+                        bool has_normal) {
+  const glm::dmat3& n = patch.normals;
+  if (light.type == LightType::directional) {
+    const glm::dvec3 w(light.direction_to_light);
+    const Enclosure s = dot(n, glm::dmat3(w, w, w));
+    if (range(s).high <= 0) return {};
+    // n·ω is at most |ω|, which is 1 up to the rounding of its three floats.
+    return has_normal ? positive_part(s) * inverse_length : anything_in({0, 1 + 1e-6});
+  }
+  const glm::dvec3 at(light.position);
+  const glm::dmat3 to_light(at - patch.positions[0], at - patch.positions[1], at - patch.positions[2]);
+  const Enclosure s = dot(n, to_light), distance_squared = dot(to_light, to_light);
+  const Interval facing = range(s), distances = range(distance_squared);
+  if (facing.high <= 0) return {};
+  const double reach = light.range;
+  if (reach > 0 && distances.low >= reach * reach) return {};
+
+  const double k = light.decay;
+  if (!(distances.low > 0)) return anything_in({0, k == 0 ? 1 : infinity});
+  const double most = std::pow(distances.low, -0.5 * k) * (1 + 1e-12);
+  if (!is_positive(distance_squared)) return anything_in({0, most});
+  Enclosure value;
+  if (has_normal) {
+    value = positive_part(s) * inverse_length * power(distance_squared, -0.5 * (k + 1));
+  } else {
+    value = anything_in({0, 1});
+    if (k > 0) value = value * power(distance_squared, -0.5 * k);
+  }
+  if (reach > 0) value = value * window_over(light, distance_squared);
+  if (light.type == LightType::spot)
+    value = value * cone_over(light, to_light, power(distance_squared, -0.5));
+  const Interval values = range(value);
+  return values.high - values.low > most ? anything_in({0, most}) : value;
+}
+
+namespace {
+
+/// A part of the patch and the bound over it.
+struct Part {
+  glm::dmat3 corners;
+  double bound;
+  int longest_side;          ///< Where the light varies most.
+  std::uint32_t kink_light;  ///< The light whose terminator costs most, or none.
+  bool operator<(const Part& other) const { return bound < other.bound; }
+};
+
+constexpr std::uint32_t no_light = ~0U;
+
+/// max S(F) − S(G) over G >= low_g, F <= high_f, F >= low_f, F − G <= e, S the curve of the screen. S is
+/// concave from 0 on, so the smallest G is the worst; below 0 it is flat. At its joint it jumps by 3e-8.
+double screen_gap(double low_f, double high_f, double low_g, double high_g, double e) {
+  if (!(e > 0)) return 0;
+  if (!(e < infinity)) return 1;
+  const double g = std::max(std::max(low_g, low_f - e), std::min(0.0, high_g));
+  const double f = std::min(g + e, high_f);
+  const auto screen = [](double x) { return srgb_encode(std::clamp(x, 0.0, 1.0)); };
+  const double jump = g < 0.0031309 && f > 0.0031307 ? 4e-8 : 0;
+  return std::max(0.0, screen(f) - screen(g)) + jump + 1e-15;
+}
+
+class Bounder {
+ public:
+  Bounder(const Patch& patch, const FinishRange& finish, std::span<const Light> all,
+          std::span<const std::uint32_t> lights, const BoundOptions& options)
+      : patch_(patch), finish_(finish), all_(all), lights_(lights), options_(options) {
+    const glm::dmat3& a = patch.albedos;
+    has_albedo_ = a[0] != a[1] || a[1] != a[2];
+  }
+
+  PatchBound run() {
+    std::priority_queue<Part> parts;
+    parts.push(make_part(glm::dmat3(1.0)));
+    result_.bound = parts.top().bound;
+    if (result_.bound <= options_.accept) return result_;
+    look(glm::dmat3(1.0));
+    std::vector<glm::dmat3> pieces;
+    for (int n = 1; n < options_.max_parts && !is_good_enough(); n += static_cast<int>(pieces.size())) {
+      const Part part = parts.top();
+      parts.pop();
+      pieces.clear();
+      if (part.kink_light != no_light) cut_at_terminator(all_[part.kink_light], patch_, part.corners, pieces);
+      if (pieces.size() < 2) bisect(part, pieces);
+      for (const glm::dmat3& piece : pieces) {
+        Part child = make_part(piece);
+        // Over less of the surface the truth is not larger.
+        child.bound = std::min(child.bound, part.bound);
+        look(piece);
+        parts.push(child);
+      }
+      result_.bound = parts.top().bound;
+    }
+    return result_;
+  }
+
+ private:
+  bool is_good_enough() const {
+    return result_.bound <= options_.accept || result_.found > options_.reject ||
+           result_.bound <= options_.tightness * result_.found + 1e-7;
+  }
+
+  static void bisect(const Part& part, std::vector<glm::dmat3>& pieces) {
+    pieces.clear();
+    const int i = part.longest_side, j = (i + 1) % 3, k = (i + 2) % 3;
+    const glm::dvec3 middle = 0.5 * (part.corners[i] + part.corners[j]);
+    pieces.emplace_back(part.corners[i], middle, part.corners[k]);
+    pieces.emplace_back(middle, part.corners[j], part.corners[k]);
+  }
+
+  /// Samples the error at the corners and the middle of a part.
+  void look(const glm::dmat3& corners) {
+    for (const glm::dvec3& b :
+         {corners[0], corners[1], corners[2], (corners[0] + corners[1] + corners[2]) / 3.0}) {
+      const glm::dvec3 f = reference_at(patch_, all_, lights_, finish_.is_unlit, b);
+      const glm::dvec3 g = patch_.colors * b;
+      for (int c = 0; c < 3; ++c) {
+        // Found is found with any finish within its range.
+        const double base = finish_.base_low[c], emission = finish_.emission_low[c];
+        double e = base * std::abs(f[c] - g[c]);
+        if (options_.space == ErrorSpace::display)
+          e = std::abs(srgb_encode(std::clamp(emission + base * f[c], 0.0, 1.0)) -
+                       srgb_encode(std::clamp(emission + base * g[c], 0.0, 1.0)));
+        if (e > result_.found) result_.found = e, result_.found_at = b;
+      }
+    }
+  }
+
+  Part make_part(const glm::dmat3& corners) const {
+    const Patch patch = part_of(patch_, corners);
+    Part part{corners, 0, 0, no_light};
+    std::array<Enclosure, 3> light{};
+    if (finish_.is_unlit) {
+      light.fill(linear(1, 1, 1));
+    } else {
+      const Enclosure length_squared = dot(patch.normals, patch.normals);
+      const bool has_normal = is_positive(length_squared);
+      const Enclosure inverse_length = has_normal ? power(length_squared, -0.5) : Enclosure{};
+      double worst_kink = 0;
+      for (const std::uint32_t i : lights_) {
+        const Enclosure r = received_over(all_[i], patch, inverse_length, has_normal);
+        if (r.high == infinity) {
+          part.bound = infinity;
+          part.longest_side = longest_side(patch);
+          return part;
+        }
+        const LinearRgb& intensity = all_[i].intensity;
+        light[0] = light[0] + intensity.r * r;
+        light[1] = light[1] + intensity.g * r;
+        light[2] = light[2] + intensity.b * r;
+        const double kink = -r.low * std::max({intensity.r, intensity.g, intensity.b});
+        if (kink > worst_kink && is_crossed(all_[i], patch)) worst_kink = kink, part.kink_light = i;
+      }
+      double widest = 0;
+      for (const Enclosure& e : light) widest = std::max(widest, e.high - e.low);
+      if (worst_kink < 0.3 * widest) part.kink_light = no_light;
+    }
+    std::array<double, 3> variation{};
+    for (int c = 0; c < 3; ++c) {
+      const glm::dmat3& a = patch.albedos;
+      Enclosure f = light[static_cast<std::size_t>(c)];
+      if (has_albedo_) {
+        f = linear(a[0][c], a[1][c], a[2][c]) * f;
+      } else {
+        f = a[0][c] * f;
+      }
+      Enclosure e = f;
+      for (std::size_t k = 0; k < 3; ++k) e.linear[k] -= patch.colors[static_cast<int>(k)][c];
+      widen(e, magnitude(f));
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::size_t next = (k + 1) % 3;
+        variation[k] =
+            std::max(variation[k], std::abs(f.linear[k] - f.linear[next]) + 4 * std::abs(f.quadratic[k]));
+      }
+      part.bound = std::max(part.bound, bound_of(c, range(f), range(e), patch));
+    }
+    part.longest_side =
+        static_cast<int>(std::max_element(variation.begin(), variation.end()) - variation.begin());
+    if (!(variation[static_cast<std::size_t>(part.longest_side)] > 0))
+      part.longest_side = longest_side(patch);
+    return part;
+  }
+
+  double bound_of(int c, Interval f, Interval e, const Patch& patch) const {
+    const double b0 = finish_.base_low[c], b1 = finish_.base_high[c];
+    const double low_e = std::min(b0 * e.low, b1 * e.low), high_e = std::max(b0 * e.high, b1 * e.high);
+    if (options_.space == ErrorSpace::linear) return std::max({-low_e, high_e, 0.0}) * (1 + 1e-15);
+    const double g0 = std::min({patch.colors[0][c], patch.colors[1][c], patch.colors[2][c]});
+    const double g1 = std::max({patch.colors[0][c], patch.colors[1][c], patch.colors[2][c]});
+    f.low = std::max(0.0, f.low);
+    const double low = finish_.emission_low[c], high = finish_.emission_high[c];
+    const double low_f = low + b0 * f.low, high_f = high + b1 * f.high;
+    const double low_g = low + std::min(b0 * g0, b1 * g0), high_g = high + std::max(b0 * g1, b1 * g1);
+    return std::max(screen_gap(low_f, high_f, low_g, high_g, high_e),
+                    screen_gap(low_g, high_g, low_f, high_f, -low_e));
+  }
+
+  static bool is_crossed(const Light& light, const Patch& patch) {
+    bool has_lit = false, has_dark = false;
+    for (int c = 0; c < 3; ++c) {
+      const double s = facing(light, patch.positions[c], patch.normals[c]);
+      has_lit |= s > 0, has_dark |= s < 0;
+    }
+    return has_lit && has_dark;
+  }
+
+  static int longest_side(const Patch& patch) {
+    int longest = 0;
+    double length = -1;
+    for (int k = 0; k < 3; ++k) {
+      const glm::dvec3 d = patch.positions[(k + 1) % 3] - patch.positions[k];
+      if (glm::dot(d, d) > length) length = glm::dot(d, d), longest = k;
+    }
+    return longest;
+  }
+
+  const Patch& patch_;
+  const FinishRange& finish_;
+  std::span<const Light> all_;
+  std::span<const std::uint32_t> lights_;
+  const BoundOptions& options_;
+  bool has_albedo_ = false;
+  PatchBound result_;
+};
+
+}  // namespace
+
+PatchBound bound_patch(const Patch& patch, const FinishRange& finish, std::span<const Light> all,
+                       std::span<const std::uint32_t> lights, const BoundOptions& options) {
+  return Bounder(patch, finish, all, lights, options).run();
+}
+
+}  // namespace lambake

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <span>
+
+#include "lambake/core/color.h"
+#include "lambake/shading/enclosure.h"
+#include "lambake/shading/patch.h"
+
+namespace lambake {
+
+/// The finish of a triangle where it varies: factors of the base colour and emission, each between two
+/// values.
+struct FinishRange {
+  glm::dvec3 base_low{1.0}, base_high{1.0}, emission_low{0.0}, emission_high{0.0};
+  bool is_unlit = false;
+};
+
+struct BoundOptions {
+  ErrorSpace space = ErrorSpace::display;
+  double accept = 0;  ///< A bound this small is not improved further.
+  /// Stops where an error above this is found: the answer is known.
+  double reject = std::numeric_limits<double>::infinity();
+  double tightness = 1.1;  ///< A bound of at most this multiple of an error that was found is good enough.
+  int max_parts = 400;     ///< Enclosures computed at most.
+};
+
+/// What is known of the largest |F − G| over a patch and its channels.
+struct PatchBound {
+  double bound = 0;  ///< Never below the truth; infinite where a light lies on the surface.
+  double found = 0;  ///< Never above it.
+  glm::dvec3 found_at{1, 0, 0};
+};
+
+/// Bounds the difference between the reference and the interpolated colours over a patch: enclosures of the
+/// equation, and branch and bound on parts of the patch (docs/bound.md).
+/// @param lights  those of `all` that reach the patch.
+PatchBound bound_patch(const Patch& patch, const FinishRange& finish, std::span<const Light> all,
+                       std::span<const std::uint32_t> lights, const BoundOptions& options);
+
+/// Encloses max(0, n·ω)·f(d) of one light over a patch. Infinite where it has no bound.
+/// @param inverse_length  enclosure of 1/‖N‖, or anything if `has_normal` is false.
+Enclosure received_over(const Light& light, const Patch& patch, const Enclosure& inverse_length,
+                        bool has_normal);
+
+}  // namespace lambake

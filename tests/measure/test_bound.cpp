@@ -1,0 +1,98 @@
+#include "lambake/measure/bound.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "lambake/core/parallel.h"
+#include "lambake/measure/surface_error.h"
+#include "scenes.h"
+
+namespace lambake {
+namespace {
+
+TEST(SurfaceBound, SmallScenes_NeverBelowTheSampledErrorAndNotFarAbove) {
+  for (const NamedScene& s : small_scenes())
+    for (const ErrorSpace space : {ErrorSpace::linear, ErrorSpace::display}) {
+      SCOPED_TRACE(s.name + (space == ErrorSpace::linear ? ", linear" : ", display"));
+      const BakedColors baked = bake(s.scene, {});
+      const SurfaceError error = surface_error(s.scene, baked, space);
+      BoundOptions options;
+      options.space = space;
+      const SurfaceBound bound = surface_bound(s.scene, baked, options);
+      ASSERT_EQ(bound.triangle_bound.size(), s.scene.mesh.n_triangles());
+      std::vector<double> ratios;
+      for (std::size_t f = 0; f < bound.triangle_bound.size(); ++f) {
+        EXPECT_GE(bound.triangle_bound[f], error.triangle_max[f]) << "triangle " << f;
+        EXPECT_GE(bound.triangle_bound[f], bound.triangle_found[f]);
+        if (error.triangle_max[f] > 1e-6) ratios.push_back(bound.triangle_bound[f] / error.triangle_max[f]);
+      }
+      EXPECT_GE(bound.max_bound, error.max_sampled);
+      EXPECT_LE(bound.max_bound, 1.11 * error.max_sampled);
+      EXPECT_EQ(bound.unbounded_triangles, 0U);
+      ASSERT_FALSE(ratios.empty());
+      std::sort(ratios.begin(), ratios.end());
+      EXPECT_LE(ratios[ratios.size() / 2], 1.3);
+      EXPECT_LE(ratios[ratios.size() * 99 / 100], 3);
+    }
+}
+
+TEST(SurfaceBound, FlatFaceUnderASun_IsZeroToRounding) {
+  const Scene scene = scene_of(grid(1, 1), {sun({0, 1, 0})});
+  EXPECT_LT(surface_bound(scene, bake(scene, {}), {}).max_bound, 1e-6);
+}
+
+TEST(SurfaceBound, LampOnACurvedSurface_IsUnboundedThereOnly) {
+  Mesh mesh = grid(4, 1);
+  for (const glm::vec3& p : mesh.positions)  // hollow, so that the lamp lights its triangle
+    mesh.normals.push_back(glm::normalize(glm::vec3(0, 1, 0) - 0.4f * p));
+  const Scene scene = scene_of(mesh, {lamp({0.1f, 0, 0.2f}, {0.01f, 0.01f, 0.01f})});
+  BoundOptions options;
+  options.space = ErrorSpace::linear;
+  const SurfaceBound bound = surface_bound(scene, bake(scene, {}), options);
+  EXPECT_EQ(bound.unbounded_triangles, 1U);
+  EXPECT_TRUE(std::isinf(bound.max_bound));
+  EXPECT_TRUE(std::isinf(bound.triangle_bound[bound.worst.triangle]));
+}
+
+// A normal spread of θ along an edge costs 1 − cos(θ/2) in its middle: here over a whole triangle with two
+// equal normals, the light along the mean.
+TEST(SurfaceBound, SpreadNormals_CostTheClosedForm) {
+  for (const float theta : {0.1f, 0.5f, 1.5f}) {
+    Mesh mesh;
+    mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 0, 1}};
+    mesh.triangles = {{0, 2, 1}};
+    const float s = std::sin(theta / 2), c = std::cos(theta / 2);
+    mesh.normals = {{-s, c, 0}, {s, c, 0}, {-s, c, 0}};
+    const Scene scene = scene_of(mesh, {sun({0, 1, 0})});
+    BoundOptions options;
+    options.space = ErrorSpace::linear;
+    options.tightness = 1.001;
+    options.max_parts = 4000;
+    const double truth = 1 - std::cos(theta / 2.0);
+    const SurfaceBound bound = surface_bound(scene, bake(scene, {}), options);
+    EXPECT_GE(bound.max_bound, truth * (1 - 1e-6));
+    EXPECT_LE(bound.max_bound, truth * 1.0011 + 2e-7);
+  }
+}
+
+// Colours clip on both sides of a comparison on screen, and count below 0 as black.
+TEST(SurfaceBound, OnScreen_ClippedColoursDoNotDiffer) {
+  const Scene scene = scene_of(grid(1, 1), {sun({0, 1, 0}, {3, 2, 1.5f})});
+  BakedColors baked = bake(scene, {});
+  for (LinearRgb& c : baked.colors) c = {2, 5, 1};
+  EXPECT_LT(surface_bound(scene, baked, {}).max_bound, 1e-9);
+}
+
+TEST(SurfaceBound, OneAndTwoThreads_GiveTheSameBits) {
+  const Scene scene = scene_of(icosphere(3), {sun({0.4f, 1, 0.3f}), lamp({1.2f, 0.5f, 0})});
+  const BakedColors baked = bake(scene, {});
+  set_thread_count(1);
+  const SurfaceBound one = surface_bound(scene, baked, {});
+  set_thread_count(0);
+  EXPECT_EQ(one.triangle_bound, surface_bound(scene, baked, {}).triangle_bound);
+}
+
+}  // namespace
+}  // namespace lambake

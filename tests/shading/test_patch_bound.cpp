@@ -1,0 +1,155 @@
+#include "lambake/shading/patch_bound.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cmath>
+#include <numeric>
+#include <random>
+#include <vector>
+
+#include "lambake/core/parallel.h"
+
+namespace lambake {
+namespace {
+
+struct Random {
+  std::mt19937_64 engine;
+  double operator()(double low, double high) {
+    return low + (high - low) * static_cast<double>(engine() >> 11) * 0x1p-53;
+  }
+  int below(int n) { return static_cast<int>(engine() % static_cast<std::uint64_t>(n)); }
+  /// Spread over orders of magnitude.
+  double scale(double low, double high) { return std::exp((*this)(std::log(low), std::log(high))); }
+  glm::dvec3 unit() {
+    for (;;) {
+      const glm::dvec3 v((*this)(-1, 1), (*this)(-1, 1), (*this)(-1, 1));
+      const double length = glm::length(v);
+      if (length > 0.1 && length <= 1) return v / length;
+    }
+  }
+};
+
+Light random_light(Random& random, const Patch& patch) {
+  Light light;
+  const int kind = random.below(4);
+  light.intensity = {static_cast<float>(random.scale(0.01, 4)), static_cast<float>(random(0, 1)),
+                     static_cast<float>(random.below(2))};
+  const glm::dvec3 middle = patch.positions * glm::dvec3(1.0 / 3);
+  glm::dvec3 direction = random.unit();
+  // Often at a grazing angle, where the terminator is.
+  const glm::dvec3 n = glm::normalize(patch.normals * glm::dvec3(random(0, 1), random(0, 1), 0.1));
+  if (random.below(2) == 0)
+    direction = glm::normalize(direction - n * glm::dot(n, direction) * random(0.8, 1));
+  if (kind == 0) {
+    light.direction_to_light = glm::vec3(direction);
+    return light;
+  }
+  light.type = kind == 3 ? LightType::spot : LightType::point;
+  const double distance = random.scale(1e-3, 30);
+  light.position = glm::vec3(middle + distance * direction);
+  const float decays[] = {0, 0.5f, 1, 2, 2, 3.3f, 4};
+  light.decay = decays[random.below(7)];
+  const float brightness = static_cast<float>(std::pow(distance, light.decay));
+  light.intensity = light.intensity * brightness;
+  if (random.below(3) == 0) light.range = static_cast<float>(distance * random(0.5, 3));
+  light.spot_direction = glm::vec3(glm::normalize(-direction + random(0, 0.6) * random.unit()));
+  light.inner_cone_rad = static_cast<float>(random(0, 0.7));
+  light.outer_cone_rad = light.inner_cone_rad + static_cast<float>(random.scale(1e-3, 0.8));
+  return light;
+}
+
+Patch random_patch(Random& random) {
+  Patch patch;
+  const double size = random.scale(1e-3, 3), spread = random.scale(1e-4, 3), squash = random.scale(1e-7, 1);
+  const glm::dvec3 n = random.unit(), along = random.unit(), corner = random.unit();
+  for (int c = 0; c < 3; ++c) {
+    glm::dvec3 p = size * random.unit();
+    if (random.below(2) == 0) p = along * glm::dot(p, along) + squash * p;  // a sliver
+    patch.positions[c] = corner + p;
+    glm::dvec3 normal = n + spread * random.unit();
+    if (random.below(64) == 0) normal = -patch.normals[0] + 1e-3 * random.unit();  // vanishes inside
+    if (random.below(64) == 0) normal = glm::dvec3(0);
+    const double length = glm::length(normal);
+    // Not unit, as inside a larger triangle.
+    patch.normals[c] = length > 0 ? normal / length * random(0.7, 1) : normal;
+    if (random.below(2) == 0) patch.albedos[c] = {random(0, 1), random(0, 1), 1};
+  }
+  return patch;
+}
+
+TEST(PatchBound, MillionRandomCases_NoSampleIsAboveTheBound) {
+#ifdef __SANITIZE_ADDRESS__
+  constexpr std::size_t n_cases = 50'000;  // ten times slower there
+#else
+  constexpr std::size_t n_cases = 1'000'000;
+#endif
+  constexpr std::size_t block = 2000;
+  std::atomic<std::size_t> n_above{0}, n_finite{0};
+  std::vector<double> ratios(n_cases, -1.0);
+  parallel_blocks(n_cases, block, [&](std::size_t begin, std::size_t end) {
+    Random random{std::mt19937_64(begin)};
+    for (std::size_t i = begin; i < end; ++i) {
+      Patch patch = random_patch(random);
+      std::vector<Light> lights;
+      for (int n = 1 + random.below(3); n > 0; --n) lights.push_back(random_light(random, patch));
+      std::vector<std::uint32_t> indices;
+      for (std::uint32_t k = 0; k < lights.size(); ++k)
+        if (!is_unreached(lights[k], patch)) indices.push_back(k);
+      std::vector<std::uint32_t> all(lights.size());
+      std::iota(all.begin(), all.end(), 0U);
+
+      // Colours as sampled; as some other method makes them, below 0 and above 1 too; or of no relation.
+      const double noise = random.below(2) == 0 ? 0 : random.scale(1e-5, 1);
+      for (int c = 0; c < 3; ++c) {
+        glm::dvec3 b(0);
+        b[c] = 1;
+        patch.colors[c] = reference_at(patch, lights, all, false, b) + noise * random.unit();
+      }
+      FinishRange finish;
+      finish.base_high = {random(0, 1), random(0, 1), 1};
+      finish.base_low = random.below(2) == 0 ? finish.base_high : finish.base_high * random(0, 1);
+      finish.emission_low = finish.emission_high = glm::dvec3(random.below(2) == 0 ? 0 : random(0, 0.5));
+      const int max_parts[] = {1, 1, 6, 60};
+      BoundOptions options;
+      options.space = random.below(2) == 0 ? ErrorSpace::linear : ErrorSpace::display;
+      options.max_parts = max_parts[random.below(4)];
+      const PatchBound result = bound_patch(patch, finish, lights, indices, options);
+
+      double sampled = 0;
+      constexpr int n = 6;
+      for (int u = 0; u <= n; ++u)
+        for (int v = 0; u + v <= n; ++v) {
+          const glm::dvec3 b(1 - double(u + v) / n, double(u) / n, double(v) / n);
+          const glm::dvec3 f = reference_at(patch, lights, all, false, b), g = patch.colors * b;
+          const glm::dvec3 base = glm::mix(finish.base_low, finish.base_high, random(0, 1));
+          for (int c = 0; c < 3; ++c) {
+            double e = base[c] * std::abs(f[c] - g[c]);
+            if (options.space == ErrorSpace::display)
+              e = std::abs(srgb_encode(std::clamp(finish.emission_low[c] + base[c] * f[c], 0.0, 1.0)) -
+                           srgb_encode(std::clamp(finish.emission_low[c] + base[c] * g[c], 0.0, 1.0)));
+            sampled = std::max(sampled, e);
+          }
+        }
+      if (!(sampled <= result.bound) || !(result.found <= result.bound)) {
+        if (++n_above < 5) {
+          ADD_FAILURE() << "case " << i << ": sampled " << sampled << ", found " << result.found << ", bound "
+                        << result.bound;
+        }
+      }
+      if (std::isfinite(result.bound)) ++n_finite;
+      if (options.max_parts == 60 && finish.base_low == finish.base_high && sampled > 1e-4)
+        ratios[i] = result.bound / sampled;
+    }
+  });
+  EXPECT_EQ(n_above, 0U);
+  EXPECT_GT(n_finite, n_cases / 2);
+  std::erase_if(ratios, [](double r) { return r < 0; });
+  std::sort(ratios.begin(), ratios.end());
+  // The other side: the bound is no wild guess, even of cases as hard as these.
+  ASSERT_GT(ratios.size(), n_cases / 20);
+  EXPECT_LT(ratios[ratios.size() / 2], 1.3);
+}
+
+}  // namespace
+}  // namespace lambake
