@@ -368,9 +368,10 @@ std::string report_page(const Comparison& c) {
   const std::string main = slider_section(c) + difference_section(c, differences) +
                            zooms_section(c, differences) + numbers_section(c) + lights_section(c) +
                            worst_section(c) + findings_section(c) + made_section(c);
+  const std::string css = std::string(page_assets::page_css).append(page_assets::chart_css);
   return fill_slots(page_assets::page_html,
                     {{"title", title},
-                     {"css", page_assets::page_css},
+                     {"css", css},
                      {"js", page_assets::page_js},
                      {"header", head},
                      {"main", main},

@@ -7,6 +7,7 @@ namespace lambake::page_assets {
 
 extern const std::string_view page_html;  ///< The frame, with {{slots}}.
 extern const std::string_view page_css;
+extern const std::string_view chart_css;  ///< Of the charts in the page and of those in files.
 extern const std::string_view page_js;
 
 }  // namespace lambake::page_assets
