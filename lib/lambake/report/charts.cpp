@@ -116,13 +116,13 @@ struct Placed {
   const char* anchor = "";
 };
 
-/// The nearest free place around (x, y) for a text; the one with least overlap if none is free.
-Placed place_label(double x, double y, std::string_view text, const Box& plot,
-                   const std::vector<Box>& taken) {
+/// The nearest free place around `mark` for a text; the one with least overlap if none is free.
+Placed place_label(const Box& mark, std::string_view text, const Box& plot, const std::vector<Box>& taken) {
   const double w = width_of(text), h = letter_height;
   Placed best{{0, 0, 0, 0}};
   double least = std::numeric_limits<double>::infinity();
-  for (const double r : {9.0, 20.0, 34.0, 50.0, 68.0, 90.0, 115.0})
+  const double x = (mark.x0 + mark.x1) / 2, y = (mark.y0 + mark.y1) / 2;
+  for (const double r : {2.0, 12.0, 26.0, 42.0, 60.0, 82.0, 107.0})
     for (const auto& [dx, dy] : {std::pair{1.0, 0.0},
                                  {-1.0, 0.0},
                                  {0.0, -1.0},
@@ -131,7 +131,8 @@ Placed place_label(double x, double y, std::string_view text, const Box& plot,
                                  {0.8, 0.7},
                                  {-0.8, -0.7},
                                  {-0.8, 0.7}}) {
-      const double cx = x + dx * r + (dx > 0 ? w / 2 : dx < 0 ? -w / 2 : 0), cy = y + dy * (r + 3);
+      const double cx = dx > 0 ? mark.x1 + dx * r + w / 2 : dx < 0 ? mark.x0 + dx * r - w / 2 : x;
+      const double cy = dy > 0 ? mark.y1 + dy * r + h / 2 : dy < 0 ? mark.y0 + dy * r - h / 2 : y;
       const Box box{cx - w / 2, cy - h / 2, cx + w / 2, cy + h / 2};
       double cost = 0;
       for (const Box& other : taken) cost += box.overlap(other);
@@ -140,11 +141,11 @@ Placed place_label(double x, double y, std::string_view text, const Box& plot,
       if (cost >= least - 1e-6) continue;
       least = cost;
       if (dx > 0)
-        best = {box, r > 10, box.x0, ""};
+        best = {box, r > 5, box.x0, ""};
       else if (dx < 0)
-        best = {box, r > 10, box.x1, " text-anchor=\"end\""};
+        best = {box, r > 5, box.x1, " text-anchor=\"end\""};
       else
-        best = {box, r > 10, cx, " text-anchor=\"middle\""};
+        best = {box, r > 5, cx, " text-anchor=\"middle\""};
       if (least <= 1e-6) return best;
     }
   return best;
@@ -166,11 +167,13 @@ std::vector<std::size_t> pareto_front(const std::vector<ChartPoint>& points) {
 }
 
 std::string chart_svg(const Chart& chart, double width, double height, bool is_standalone) {
-  std::vector<ChartPoint> all;
+  std::vector<ChartPoint> all, compared;
+  std::vector<std::size_t> compared_indices;  // Into `all`.
   std::vector<double> xs, ys;
   bool has_zero = false;
   for (const ChartSeries& series : chart.series)
     for (const ChartPoint& p : series.points) {
+      if (series.is_compared) compared.push_back(p), compared_indices.push_back(all.size());
       all.push_back(p);
       xs.insert(xs.end(), {p.x, p.x_low, p.x_high});
       ys.push_back(p.y);
@@ -232,18 +235,23 @@ std::string chart_svg(const Chart& chart, double width, double height, bool is_s
   // Lines below marks below labels.
   std::vector<Box> taken;
   for (const ChartPoint& p : all) {
-    const double x = x_scale(p.x), y = y_at(p.y), r = mark_radius + 2;
-    taken.push_back({x - r, y - r, x + r, y + r});
+    const double x = x_scale(p.x), y = y_at(p.y), r = p.is_emphasised ? 12 : mark_radius + 2;
+    const bool has_spread = p.x_low > 0 && p.x_high > 0;
+    taken.push_back({std::min(x - r, has_spread ? x_scale(p.x_low) : x), y - r,
+                     std::max(x + r, has_spread ? x_scale(p.x_high) : x), y + r});
   }
+  const std::vector<Box> marks_taken = taken;
   for (const ChartGuide& g : chart.guides) {
     const double x0 = x_scale(g.x0), y0 = y_scale(g.y0), x1 = x_scale(g.x1), y1 = y_scale(g.y1);
     fmt::format_to(out, "<path class=\"guide\" d=\"M{:.1f} {:.1f}L{:.1f} {:.1f}\"/>\n", x0, y0, x1, y1);
-    const Placed at = place_label(x1, y1, g.label, plot, taken);
+    const Placed at = place_label({x1, y1, x1, y1}, g.label, plot, taken);
     taken.push_back(at.box);
     fmt::format_to(out, "<text class=\"guide-name\" x=\"{:.1f}\" y=\"{:.1f}\"{}>{}</text>\n", at.anchor_x,
                    at.box.y1 - 2.5, at.anchor, escape_html(g.label));
   }
-  const std::vector<std::size_t> front = chart.has_front ? pareto_front(all) : std::vector<std::size_t>();
+  std::vector<std::size_t> front;
+  if (chart.has_front)
+    for (const std::size_t i : pareto_front(compared)) front.push_back(compared_indices[i]);
   if (front.size() > 1) {
     std::string path;
     for (const std::size_t i : front)
@@ -278,9 +286,9 @@ std::string chart_svg(const Chart& chart, double width, double height, bool is_s
   for (const std::size_t i : order) {
     const ChartPoint& p = all[i];
     if (p.label.empty()) continue;
-    const double x = x_scale(p.x), y = y_at(p.y);
-    const Placed at = place_label(x, y, p.label, plot, taken);
+    const Placed at = place_label(marks_taken[i], p.label, plot, taken);
     taken.push_back(at.box);
+    const double x = x_scale(p.x), y = y_at(p.y);
     if (at.is_far)
       fmt::format_to(out, "<path class=\"leader\" d=\"M{:.1f} {:.1f}L{:.1f} {:.1f}\"/>\n", x, y,
                      std::clamp(x, at.box.x0, at.box.x1), std::clamp(y, at.box.y0, at.box.y1));

@@ -12,7 +12,7 @@ namespace lambake {
 struct ChartPoint {
   double x = 0, y = 0;           ///< x > 0; y of 0 lies in a strip of its own below the axis.
   double x_low = 0, x_high = 0;  ///< Spread of x, drawn as a bar; 0: none.
-  std::string label;             ///< Beside the point; empty: none.
+  std::string label{};           ///< Beside the point; empty: none.
   bool is_emphasised = false;    ///< Ringed.
 };
 
@@ -20,7 +20,8 @@ struct ChartPoint {
 struct ChartSeries {
   std::string name;  ///< In the legend.
   std::vector<ChartPoint> points;
-  bool is_line = false;  ///< Joined in their order.
+  bool is_line = false;     ///< Joined in their order.
+  bool is_compared = true;  ///< Takes part in the Pareto front.
 };
 
 /// A dashed line between two points, with words at its end: a slope to compare with.
