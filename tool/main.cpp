@@ -1,3 +1,70 @@
-int main() {
-  return 0;
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <exception>
+#include <new>
+#include <string>
+
+#include "commands.h"
+#include "lambake/core/error.h"
+
+namespace {
+
+/// The command line as a shell would take it again.
+std::string quoted_command_line(int argc, char** argv) {
+  std::string line = "lambake";
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    const bool is_plain =
+        !word.empty() && word.find_first_not_of(
+                             "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
+                             "_-+=./,:@%") == std::string::npos;
+    std::string quoted = "'";
+    for (const char c : word) quoted += c == '\'' ? "'\\''" : std::string(1, c);
+    line += ' ' + (is_plain ? word : quoted + '\'');
+  }
+  return line;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  constexpr int usage_error = 2, our_fault = 5;
+  CLI::App app{
+      "lambake: Lambertian light per vertex, per pixel, and the difference.\n"
+      "Bakes light into vertex colours, renders the same scene lit per pixel, and tells how far the two are "
+      "apart."};
+  app.name("lambake");
+  app.set_version_flag("--version", "lambake " LAMBAKE_VERSION);
+  app.require_subcommand(1);
+  app.footer(
+      "Exit codes: 0 done; 1 a threshold of --fail-above was exceeded; 2 usage; 3 a file could not be read "
+      "or\n"
+      "written; 4 the scene cannot be processed; 5 a fault of lambake.\n"
+      "`lambake COMMAND --help` shows a command's options and an example.");
+  lambake::tool::Run run;
+  lambake::tool::add_bake_command(app, run);
+  lambake::tool::add_render_command(app, run);
+  lambake::tool::add_compare_command(app, run);
+  lambake::tool::add_info_command(app, run);
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app.exit(error);
+    fmt::print(stderr, "lambake: {} (see lambake --help)\n", error.what());
+    return usage_error;
+  }
+  try {
+    return run(quoted_command_line(argc, argv));
+  } catch (const lambake::Error& error) {
+    fmt::print(stderr, "lambake: {}\n", error.what());
+    return error.exit_code();
+  } catch (const std::bad_alloc&) {
+    fmt::print(stderr, "lambake: not enough memory for this scene\n");
+    return 4;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "lambake: internal error: {}\n", error.what());
+    return our_fault;
+  }
 }

@@ -1,0 +1,82 @@
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "bake_options.h"
+#include "commands.h"
+#include "json_text.h"
+#include "lambake/core/error.h"
+#include "lambake/io/gltf.h"
+#include "lambake/io/ply_write.h"
+#include "options.h"
+
+namespace lambake::tool {
+namespace {
+
+struct BakeCommand {
+  SceneOptions scene;
+  BakeMethodOptions method;
+  OutputOptions output;
+  std::vector<std::string> outputs;
+};
+
+int bake_and_write(const BakeCommand& command) {
+  Console console(command.scene.quiet);
+  Stopwatch stopwatch;
+  for (const std::string& path : command.outputs) check_baked_path(path, command.output);
+  LoadedScene loaded = load_scene(command.scene, console, stopwatch);
+  const BakedColors baked = bake(loaded.file.scene, bake_options(command.method, console));
+  console.tell(baked.findings);
+  stopwatch.lap("bake");
+
+  nlohmann::ordered_json json;
+  const Mesh& mesh = mesh_of(loaded.file.scene, baked);
+  json["input"] = loaded.file.format;
+  json["method"] = command.method.method;
+  json["normals"] = loaded.normals;
+  json["vertices"] = mesh.n_vertices();
+  json["triangles"] = mesh.n_triangles();
+  json["lights"] = loaded.file.scene.lights.size();
+  json["outputs"] = nlohmann::ordered_json::array();
+  Findings findings = loaded.file.findings;
+  findings.insert(findings.end(), baked.findings.begin(), baked.findings.end());
+  for (const std::string& path : command.outputs) {
+    const WrittenColors written = write_baked(path, loaded.file, baked, command.output);
+    console.tell(written.findings);
+    if (written.clipped_vertices > 0)
+      console.note(fmt::format(
+          "{}: {} of {} vertices are brighter than 1 and were clipped (--exposure scales the light)", path,
+          group_digits(written.clipped_vertices), group_digits(mesh.n_vertices())));
+    json["outputs"].push_back({{"path", path},
+                               {"bytes", std::filesystem::file_size(path)},
+                               {"clipped_vertices", written.clipped_vertices},
+                               {"findings", findings_json(written.findings)}});
+    if (!command.scene.json && !command.scene.quiet)
+      fmt::print("{}: {} vertices, {} triangles, {} bytes\n", path, group_digits(mesh.n_vertices()),
+                 group_digits(mesh.n_triangles()), group_digits(std::filesystem::file_size(path)));
+  }
+  stopwatch.lap("write");
+  json["findings"] = findings_json(findings);
+  json["seconds"] = seconds_json(stopwatch);
+  if (command.scene.json) fmt::print("{}\n", json_text(json));
+  return 0;
+}
+
+}  // namespace
+
+void add_bake_command(CLI::App& app, Run& run) {
+  auto command = std::make_shared<BakeCommand>();
+  CLI::App& sub = *app.add_subcommand("bake", "bake light into vertex colours: GLB, glTF, PLY");
+  add_scene_options(sub, command->scene);
+  add_bake_options(sub, command->method);
+  add_output_options(sub, command->output);
+  sub.add_option("-o,--output", command->outputs, ".glb, .gltf or .ply to write; repeatable")
+      ->required()
+      ->allow_extra_args(false);
+  sub.footer("Example: lambake bake bunny.ply --sun 0.4,1,0.3 -o bunny.glb -o bunny_lit.ply");
+  sub.callback([command, &run] { run = [command](const std::string&) { return bake_and_write(*command); }; });
+}
+
+}  // namespace lambake::tool

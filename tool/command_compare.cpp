@@ -1,0 +1,231 @@
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+
+#include "bake_options.h"
+#include "commands.h"
+#include "json_text.h"
+#include "lambake/core/error.h"
+#include "lambake/io/image_file.h"
+#include "lambake/io/output_file.h"
+#include "lambake/measure/image_error.h"
+#include "lambake/measure/surface_error.h"
+#include "lambake/render/framing.h"
+#include "lambake/render/shade.h"
+#include "lambake/report/report.h"
+#include "options.h"
+
+namespace lambake::tool {
+namespace {
+
+struct CompareCommand {
+  SceneOptions scene;
+  CameraOptions camera;
+  BakeMethodOptions method;
+  OutputOptions output;
+  std::string folder;
+  std::size_t n_views = 1;
+  std::vector<std::string> thresholds;  ///< "METRIC=VALUE".
+};
+
+struct Threshold {
+  std::string metric;  ///< Dotted path into report.json.
+  double value = 0;
+};
+
+/// A metric without a path is of the picture on screen.
+Threshold parse_threshold(const std::string& text) {
+  const std::size_t equals = text.find('=');
+  if (equals == std::string::npos || equals == 0)
+    throw InvalidOption(fmt::format("--fail-above: expected METRIC=VALUE, found \"{}\"", text));
+  std::string metric = text.substr(0, equals);
+  if (metric.find('.') == std::string::npos) metric = "image.display." + metric;
+  return {metric, parse_numbers("--fail-above", text.substr(equals + 1), 1, 1).front()};
+}
+
+/// The number at a dotted path. @throws InvalidOption if there is none.
+double find_metric(const nlohmann::ordered_json& report, const std::string& path) {
+  std::string pointer = "/" + path;
+  std::replace(pointer.begin(), pointer.end(), '.', '/');
+  try {
+    return report.at(nlohmann::ordered_json::json_pointer(pointer)).get<double>();
+  } catch (const nlohmann::json::exception&) {
+    throw InvalidOption(fmt::format("--fail-above: report.json has no number \"{}\"", path));
+  }
+}
+
+/// Pixels that only one of two meshes with the same surface covers, by rounding of moved edges, are not
+/// compared.
+std::size_t keep_common_pixels(Visibility& visibility, const Visibility& other) {
+  std::size_t n_dropped = 0;
+  for (std::size_t i = 0; i < visibility.triangles.size(); ++i) {
+    if ((visibility.triangles[i] == no_triangle) == (other.triangles[i] == no_triangle)) continue;
+    ++n_dropped;
+    if (visibility.triangles[i] != no_triangle) {
+      visibility.triangles[i] = no_triangle;
+      --visibility.n_covered;
+    }
+  }
+  return n_dropped;
+}
+
+/// Both pictures of every view and their errors; those of the first view stay for the report.
+void compare_views(const CompareCommand& command, const Scene& scene, const BakedColors& baked,
+                   Console& console, Comparison& comparison) {
+  const glm::uvec2 size = picture_size(command.camera);
+  std::vector<Camera> cameras = {choose_camera(command.camera, scene, size)};
+  if (command.n_views > 1) {
+    if (!command.camera.eye.empty() || !command.camera.camera.empty())
+      throw InvalidOption("--views: expected no --eye or --camera with it, as the views go around the model");
+    cameras = frame_around(bounds_of(scene.mesh.positions),
+                           static_cast<float>(size.x) / static_cast<float>(size.y), command.n_views);
+  }
+  const Progress progress = console.progress();
+  std::vector<ImageError> linear, display;
+  std::size_t n_edge_pixels = 0;
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    report_progress(progress, "pictures", static_cast<double>(i) / static_cast<double>(cameras.size()));
+    Visibility visibility = find_visibility(scene, scene.mesh, cameras[i], size.x, size.y);
+    Picture per_vertex;
+    if (baked.mesh) {
+      const Visibility of_baked = find_visibility(scene, *baked.mesh, cameras[i], size.x, size.y);
+      n_edge_pixels += keep_common_pixels(visibility, of_baked);
+      per_vertex = shade_per_vertex(scene, baked, of_baked);
+    } else {
+      per_vertex = shade_per_vertex(scene, baked, visibility);
+    }
+    Picture per_fragment = shade_per_fragment(scene, visibility);
+    linear.push_back(compare_pictures(per_vertex, per_fragment, visibility, ErrorSpace::linear));
+    display.push_back(compare_pictures(per_vertex, per_fragment, visibility, ErrorSpace::display));
+    comparison.seen_from_behind += count_seen_from_behind(scene, visibility, cameras[i]);
+    if (i > 0) continue;
+    comparison.per_vertex = std::move(per_vertex);
+    comparison.per_fragment = std::move(per_fragment);
+    comparison.visibility = std::move(visibility);
+  }
+  console.clear_bar();
+  comparison.n_views = cameras.size();
+  comparison.image_linear = combine(linear);
+  comparison.image_display = combine(display);
+  add_finding(comparison.findings, "edge_pixels", n_edge_pixels,
+              "pixels are covered by only one of the two meshes (rounding at silhouettes); not compared");
+}
+
+/// Prints what failed; the exit code.
+int check_thresholds(const std::vector<Threshold>& thresholds, const nlohmann::ordered_json& report) {
+  int exit_code = 0;
+  for (const Threshold& threshold : thresholds) {
+    const double found = find_metric(report, threshold.metric);
+    if (!(found > threshold.value)) continue;
+    fmt::print(stderr, "lambake: {} is {}, above {}\n", threshold.metric, found, threshold.value);
+    exit_code = 1;
+  }
+  return exit_code;
+}
+
+void write_text(const std::filesystem::path& path, const std::string& text) {
+  OutputFile file(path.string());
+  file.write(text);
+  file.commit();
+}
+
+int compare_and_write(const CompareCommand& command, const std::string& command_line) {
+  Console console(command.scene.quiet);
+  Stopwatch stopwatch;
+  std::vector<Threshold> thresholds;
+  for (const std::string& text : command.thresholds) thresholds.push_back(parse_threshold(text));
+  picture_size(command.camera);
+
+  LoadedScene loaded = load_scene(command.scene, console, stopwatch);
+  const Scene& scene = loaded.file.scene;
+  const BakedColors baked = bake(scene, bake_options(command.method, console));
+  console.tell(baked.findings);
+  stopwatch.lap("bake");
+
+  Comparison comparison;
+  comparison.input = std::filesystem::path(command.scene.input).filename().string();
+  comparison.command = command_line;
+  comparison.version = LAMBAKE_VERSION;
+  comparison.method = command.method.method;
+  comparison.normals = loaded.normals;
+  comparison.n_vertices = mesh_of(scene, baked).n_vertices();
+  comparison.n_triangles = mesh_of(scene, baked).n_triangles();
+  comparison.n_lights = scene.lights.size();
+  comparison.n_scene_vertices = scene.mesh.n_vertices();
+  comparison.n_scene_triangles = scene.mesh.n_triangles();
+  for (const Light& light : scene.lights) comparison.light_names.push_back(light.name);
+  comparison.findings = loaded.file.findings;
+  comparison.findings.insert(comparison.findings.end(), baked.findings.begin(), baked.findings.end());
+  compare_views(command, scene, baked, console, comparison);
+  stopwatch.lap("pictures");
+  comparison.surface_linear = surface_error(scene, baked, ErrorSpace::linear);
+  comparison.surface_display = surface_error(scene, baked, ErrorSpace::display);
+  stopwatch.lap("surface");
+
+  const std::filesystem::path folder(command.folder);
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) throw IoError(command.folder, "cannot be made a folder: " + error.message());
+  write_picture(folder / "per_vertex.png", comparison.per_vertex);
+  write_picture(folder / "per_fragment.png", comparison.per_fragment);
+  write_picture(folder / "per_vertex.exr", comparison.per_vertex);
+  write_picture(folder / "per_fragment.exr", comparison.per_fragment);
+  write_picture(folder / "difference.png",
+                heat_map(comparison.per_vertex, comparison.per_fragment, comparison.visibility, 0));
+  const OutputOptions ply_output = {.color = command.output.color == "u16" ? "" : command.output.color};
+  for (const auto& [name, options] :
+       {std::pair{"lit.glb", command.output}, std::pair{"lit.ply", ply_output}}) {
+    const WrittenColors written = write_baked((folder / name).string(), loaded.file, baked, options);
+    console.tell(written.findings);
+    for (const Finding& finding : written.findings) comparison.findings.push_back(finding);
+    comparison.clipped_vertices = std::max(comparison.clipped_vertices, written.clipped_vertices);
+  }
+  stopwatch.lap("write");
+  comparison.seconds = stopwatch.seconds();
+  const std::string report = report_json(comparison);
+  write_text(folder / "report.json", report);
+  write_text(folder / "index.html", report_page(comparison));
+
+  if (command.scene.json) {
+    fmt::print("{}\n", report);
+  } else if (!command.scene.quiet) {
+    const ImageError& image = comparison.image_display;
+    const SurfaceError& surface = comparison.surface_display;
+    fmt::print("per vertex against per pixel, on screen, in steps of 1/255\n");
+    fmt::print("  picture   rmse {:.3f}  max {:.1f}  {} of {} pixels off by more than one step\n",
+               image.rmse * 255, image.max * 255, group_digits(image.pixels_over_1_255),
+               group_digits(image.pixels));
+    fmt::print("  surface   rmse {:.3f}  max {:.1f} (sampled)\n", surface.rmse * 255,
+               surface.max_sampled * 255);
+    fmt::print("{}\n", (folder / "index.html").string());
+  }
+  return check_thresholds(thresholds, nlohmann::ordered_json::parse(report));
+}
+
+}  // namespace
+
+void add_compare_command(CLI::App& app, Run& run) {
+  auto command = std::make_shared<CompareCommand>();
+  CLI::App& sub =
+      *app.add_subcommand("compare", "both shadings, their difference in numbers, pictures and a page");
+  add_scene_options(sub, command->scene);
+  add_camera_options(sub, command->camera);
+  add_bake_options(sub, command->method);
+  add_output_options(sub, command->output);
+  sub.add_option("-o,--output", command->folder, "folder to write into; made if it is not there")->required();
+  sub.add_option("--views", command->n_views, "take the errors over this many views around the model")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  sub.add_option("--fail-above", command->thresholds,
+                 "exit with 1 if METRIC=VALUE is exceeded; rmse, mae, max, p99 are of the picture on screen, "
+                 "others by "
+                 "path in report.json, e.g. surface.linear.rmse=0.01; repeatable")
+      ->allow_extra_args(false);
+  sub.footer("Example: lambake compare bunny.ply --sun 0.4,1,0.3 -o out/bunny --fail-above rmse=0.01");
+  sub.callback([command, &run] {
+    run = [command](const std::string& command_line) { return compare_and_write(*command, command_line); };
+  });
+}
+
+}  // namespace lambake::tool

@@ -1,0 +1,91 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+
+#include "bake_options.h"
+#include "commands.h"
+#include "json_text.h"
+#include "lambake/core/error.h"
+#include "lambake/io/image_file.h"
+#include "lambake/render/shade.h"
+#include "options.h"
+
+namespace lambake::tool {
+namespace {
+
+struct RenderCommand {
+  SceneOptions scene;
+  CameraOptions camera;
+  std::string shading = "fragment";
+  std::vector<std::string> outputs;
+};
+
+int render_and_write(const RenderCommand& command) {
+  Console console(command.scene.quiet);
+  Stopwatch stopwatch;
+  const glm::uvec2 size = picture_size(command.camera);
+  for (const std::string& path : command.outputs) check_picture_path(path);
+  const LoadedScene loaded = load_scene(command.scene, console, stopwatch);
+  const Scene& scene = loaded.file.scene;
+  const Camera camera = choose_camera(command.camera, scene, size);
+  Picture picture;
+  std::size_t n_covered = 0;
+  if (command.shading == "fragment") {
+    const Visibility visibility = find_visibility(scene, scene.mesh, camera, size.x, size.y);
+    stopwatch.lap("visibility");
+    picture = shade_per_fragment(scene, visibility);
+    n_covered = visibility.n_covered;
+  } else {
+    const BakedColors baked =
+        bake(scene, bake_options({.method = command.shading == "face" ? "face" : "sample"}, console));
+    stopwatch.lap("bake");
+    const Visibility visibility = find_visibility(scene, mesh_of(scene, baked), camera, size.x, size.y);
+    stopwatch.lap("visibility");
+    picture = shade_per_vertex(scene, baked, visibility);
+    n_covered = visibility.n_covered;
+  }
+  stopwatch.lap("shade");
+  for (const std::string& path : command.outputs) {
+    write_picture(path, picture);
+    if (!command.scene.json && !command.scene.quiet) fmt::print("{}: {}x{} pixels\n", path, size.x, size.y);
+  }
+  stopwatch.lap("write");
+  if (command.scene.json) {
+    nlohmann::ordered_json json;
+    json["input"] = loaded.file.format;
+    json["shading"] = command.shading;
+    json["width"] = size.x;
+    json["height"] = size.y;
+    json["covered_pixels"] = n_covered;
+    json["triangles"] = scene.mesh.n_triangles();
+    json["lights"] = scene.lights.size();
+    json["outputs"] = command.outputs;
+    json["findings"] = findings_json(loaded.file.findings);
+    json["seconds"] = seconds_json(stopwatch);
+    fmt::print("{}\n", json_text(json));
+  }
+  return 0;
+}
+
+}  // namespace
+
+void add_render_command(CLI::App& app, Run& run) {
+  auto command = std::make_shared<RenderCommand>();
+  CLI::App& sub =
+      *app.add_subcommand("render", "render with light per pixel, per vertex or per face: PNG, EXR");
+  add_scene_options(sub, command->scene);
+  add_camera_options(sub, command->camera);
+  sub.add_option("--shading", command->shading, "where the light is evaluated: fragment, vertex or face")
+      ->check(CLI::IsMember({"fragment", "vertex", "face"}))
+      ->capture_default_str();
+  sub.add_option("-o,--output", command->outputs, ".png (sRGB) or .exr (linear float) to write; repeatable")
+      ->required()
+      ->allow_extra_args(false);
+  sub.footer("Example: lambake render bunny.ply --shading vertex --size 1920x1080 -o bunny.png -o bunny.exr");
+  sub.callback(
+      [command, &run] { run = [command](const std::string&) { return render_and_write(*command); }; });
+}
+
+}  // namespace lambake::tool

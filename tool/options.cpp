@@ -1,0 +1,270 @@
+#include "options.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <numbers>
+
+#include "lambake/core/bounds.h"
+#include "lambake/core/error.h"
+#include "lambake/core/parallel.h"
+#include "lambake/geometry/creases.h"
+#include "lambake/io/light_file.h"
+#include "lambake/render/framing.h"
+
+namespace lambake::tool {
+namespace {
+
+constexpr float rad_per_deg = std::numbers::pi_v<float> / 180;
+
+LinearRgb color_from(const std::string& option, const std::vector<float>& numbers, std::size_t first) {
+  if (numbers.size() <= first) return {1, 1, 1};
+  const LinearRgb color{numbers[first], numbers[first + 1], numbers[first + 2]};
+  if (color.r < 0 || color.g < 0 || color.b < 0)
+    throw InvalidOption(fmt::format("{}: expected a color of at least 0 in each channel", option));
+  return color;
+}
+
+Light parse_sun(const std::string& text) {
+  const std::vector<float> n = parse_numbers("--sun", text, 3, 6);
+  if (n.size() != 3 && n.size() != 6)
+    throw InvalidOption(fmt::format("--sun: expected X,Y,Z or X,Y,Z,R,G,B, found \"{}\"", text));
+  const glm::dvec3 direction(n[0], n[1], n[2]);
+  if (glm::length(direction) == 0)
+    throw InvalidOption("--sun: expected a direction that is not zero, found 0,0,0");
+  Light light;
+  light.type = LightType::directional;
+  light.direction_to_light = glm::vec3(direction / glm::length(direction));
+  light.intensity = color_from("--sun", n, 3);
+  return light;
+}
+
+Light parse_lamp(const std::string& text) {
+  const std::vector<float> n = parse_numbers("--lamp", text, 3, 7);
+  if (n.size() != 3 && n.size() != 6 && n.size() != 7)
+    throw InvalidOption(
+        fmt::format("--lamp: expected X,Y,Z, X,Y,Z,R,G,B or X,Y,Z,R,G,B,DECAY, found \"{}\"", text));
+  Light light;
+  light.type = LightType::point;
+  light.position = {n[0], n[1], n[2]};
+  light.intensity = color_from("--lamp", n, 3);
+  if (n.size() == 7) light.decay = n[6];
+  check_light(light, "--lamp");
+  return light;
+}
+
+void add_lights(const SceneOptions& options, LoadedScene& loaded) {
+  std::vector<Light>& lights = loaded.file.scene.lights;
+  if (!options.lights_file.empty())
+    for (const Light& light : read_light_file(options.lights_file)) lights.push_back(light);
+  for (const std::string& sun : options.suns) lights.push_back(parse_sun(sun));
+  for (const std::string& lamp : options.lamps) lights.push_back(parse_lamp(lamp));
+  const bool was_asked = !options.lights_file.empty() || options.no_file_lights;
+  if (lights.empty() && !was_asked) {
+    lights.push_back(parse_sun("0.4,1,0.3"));
+    loaded.notes.push_back(
+        "no light given: one white sun from 0.4,1,0.3 (choose with --sun, --lamp or --lights)");
+  }
+  std::size_t n_suns = 0, n_lamps = 0, n_spots = 0;
+  for (Light& light : lights) {
+    std::size_t& n = light.type == LightType::directional ? n_suns
+                     : light.type == LightType::point     ? n_lamps
+                                                          : n_spots;
+    const char* kind = light.type == LightType::directional ? "sun"
+                       : light.type == LightType::point     ? "lamp"
+                                                            : "spot";
+    ++n;
+    light.name =
+        light.name.empty() ? fmt::format("{} {}", kind, n) : fmt::format("{} {} ({})", kind, n, light.name);
+  }
+}
+
+void apply_albedo(const std::string& text, SceneFile& file) {
+  if (text.empty()) return;
+  const std::vector<float> n = parse_numbers("--albedo", text, 3, 3);
+  for (const float channel : n)
+    if (channel < 0 || channel > 1)
+      throw InvalidOption(fmt::format("--albedo: expected three numbers in [0,1], found \"{}\"", text));
+  const LinearRgb albedo{n[0], n[1], n[2]};
+  if (file.asset == nullptr) {
+    for (Material& material : file.scene.materials) material.base_color = material.base_color * albedo;
+    return;
+  }
+  // The materials of a glTF asset go back as they were: its vertices carry the albedo.
+  Mesh& mesh = file.scene.mesh;
+  mesh.colors.resize(mesh.n_vertices(), LinearRgb{1, 1, 1});
+  for (LinearRgb& color : mesh.colors) color = color * albedo;
+}
+
+void apply_exposure(float stops, Scene& scene) {
+  if (!std::isfinite(stops) || std::abs(stops) > 64)
+    throw InvalidOption(fmt::format("--exposure: expected stops in [-64, 64], found {}", stops));
+  const float scale = std::exp2(stops);
+  for (Light& light : scene.lights) light.intensity = light.intensity * scale;
+  for (Material& material : scene.materials) material.emission = material.emission * scale;
+}
+
+void make_normals(const SceneOptions& options, LoadedScene& loaded) {
+  Mesh& mesh = loaded.file.scene.mesh;
+  Findings& findings = loaded.file.findings;
+  std::string method = options.normals;
+  if (method == "auto") method = mesh.normals.empty() || options.crease_angle_deg ? "angle" : "file";
+  if (method == "file") {
+    if (mesh.normals.empty()) throw InvalidOption("--normals file: the file has no normals");
+    if (options.crease_angle_deg)
+      throw InvalidOption(
+          "--crease-angle-deg: expected no --normals file with it, as creases make new normals");
+    loaded.normals = "file";
+    return;
+  }
+  loaded.normals = method;
+  if (options.crease_angle_deg) {
+    const float degrees = *options.crease_angle_deg;
+    if (!(degrees >= 0 && degrees <= 180))
+      throw InvalidOption(fmt::format("--crease-angle-deg: expected degrees in [0, 180], found {}", degrees));
+    const std::size_t n_added = split_creases(mesh, degrees * rad_per_deg);
+    loaded.normals += fmt::format(", creases at {} degrees", degrees);
+    add_finding(findings, "crease_vertices", n_added,
+                fmt::format("vertices added where faces meet at more than {} degrees", degrees));
+  }
+  const NormalWeight weight = method == "angle"     ? NormalWeight::angle
+                              : method == "area"    ? NormalWeight::area
+                              : method == "uniform" ? NormalWeight::uniform
+                                                    : NormalWeight::max;
+  VertexNormals made = vertex_normals(mesh, weight);
+  mesh.normals = std::move(made.normals);
+  add_finding(findings, "vertices_without_direction", made.undefined,
+              "vertices have no normal (their faces have no area or cancel); they get no light");
+}
+
+}  // namespace
+
+std::vector<float> parse_numbers(const std::string& option, const std::string& text, std::size_t min_count,
+                                 std::size_t max_count) {
+  std::vector<float> numbers;
+  const char* at = text.data();
+  const char* const end = text.data() + text.size();
+  const auto fail = [&](const std::string& found) -> void {
+    throw InvalidOption(fmt::format(
+        "{}: expected {} finite numbers separated by commas, found {}", option,
+        min_count == max_count ? std::to_string(min_count) : fmt::format("{} to {}", min_count, max_count),
+        found));
+  };
+  while (true) {
+    float number = 0;
+    const auto [next, error] = std::from_chars(at, end, number);
+    if (error != std::errc() || !std::isfinite(number) || (next != end && *next != ','))
+      fail(fmt::format("\"{}\"", text));
+    numbers.push_back(number);
+    if (next == end) break;
+    at = next + 1;
+  }
+  if (numbers.size() < min_count || numbers.size() > max_count)
+    fail(fmt::format("{} in \"{}\"", numbers.size(), text));
+  return numbers;
+}
+
+void add_scene_options(CLI::App& command, SceneOptions& options) {
+  command.add_option("INPUT", options.input, "mesh or scene: .ply .obj .off .stl .om .gltf .glb")->required();
+  command.add_option("--sun", options.suns, "directional light, towards it: X,Y,Z[,R,G,B]; repeatable")
+      ->allow_extra_args(false);
+  command.add_option("--lamp", options.lamps, "point light: X,Y,Z[,R,G,B[,DECAY]]; repeatable")
+      ->allow_extra_args(false);
+  command.add_option("--lights", options.lights_file, "lights file (docs/lights.schema.json)");
+  command.add_flag("--no-file-lights", options.no_file_lights, "leave out the lights of a glTF file");
+  command.add_option("--scene", options.gltf_scene, "scene of a glTF file, by name or number");
+  command.add_option("--albedo", options.albedo, "multiplies the base colour: R,G,B in [0,1], linear");
+  command
+      .add_option("--normals", options.normals,
+                  "auto (the file's, else angle), file, angle, area, uniform or max")
+      ->check(CLI::IsMember({"auto", "file", "angle", "area", "uniform", "max"}));
+  command.add_option("--crease-angle-deg", options.crease_angle_deg,
+                     "split vertices where faces meet at more than this");
+  command.add_option("--exposure", options.exposure_stops, "scale lights and emission by 2^STOPS");
+  command.add_option("--threads", options.threads, "number of threads; 0 is all");
+  command.add_flag("--json", options.json, "numbers as JSON on standard output, nothing else there");
+  command.add_flag("--quiet", options.quiet, "say nothing but errors");
+}
+
+void add_camera_options(CLI::App& command, CameraOptions& options) {
+  command.add_option("--camera", options.camera, "camera of the file, by name or number");
+  command.add_option("--eye", options.eye, "where the camera stands: X,Y,Z");
+  command.add_option("--target", options.target, "what it looks at: X,Y,Z (default: the model's centre)");
+  command.add_option("--fov-deg", options.fov_deg, "vertical angle of view in degrees (default 35)");
+  command.add_option("--size", options.size, "picture size WIDTHxHEIGHT")->capture_default_str();
+}
+
+LoadedScene load_scene(const SceneOptions& options, Console& console, Stopwatch& stopwatch) {
+  set_thread_count(options.threads);
+  LoadedScene loaded;
+  loaded.file = read_scene_file(options.input, {options.gltf_scene, !options.no_file_lights});
+  stopwatch.lap("read");
+  add_lights(options, loaded);
+  apply_albedo(options.albedo, loaded.file);
+  apply_exposure(options.exposure_stops, loaded.file.scene);
+  make_normals(options, loaded);
+  stopwatch.lap("normals");
+  for (const std::string& note : loaded.notes) console.note(note);
+  console.tell(loaded.file.findings);
+  return loaded;
+}
+
+glm::uvec2 picture_size(const CameraOptions& options) {
+  unsigned width = 0, height = 0;
+  const char* const end = options.size.data() + options.size.size();
+  auto [after_width, error] = std::from_chars(options.size.data(), end, width);
+  constexpr unsigned limit = 16384;
+  bool is_sound = error == std::errc() && after_width != end && *after_width == 'x';
+  if (is_sound) {
+    const auto [after_height, height_error] = std::from_chars(after_width + 1, end, height);
+    is_sound = height_error == std::errc() && after_height == end;
+  }
+  if (!is_sound || width < 1 || height < 1 || width > limit || height > limit)
+    throw InvalidOption(
+        fmt::format("--size: expected WIDTHxHEIGHT, each from 1 to {}, found \"{}\"", limit, options.size));
+  return {width, height};
+}
+
+void check_picture_path(const std::string& path) {
+  const std::string extension = std::filesystem::path(path).extension().string();
+  if (extension != ".png" && extension != ".exr")
+    throw InvalidOption(fmt::format("-o {}: expected .png or .exr", path));
+}
+
+Camera choose_camera(const CameraOptions& options, const Scene& scene, const glm::uvec2& size) {
+  const float aspect = static_cast<float>(size.x) / static_cast<float>(size.y);
+  const Bounds bounds = bounds_of(scene.mesh.positions);
+  if (!options.camera.empty()) {
+    for (const Camera& camera : scene.cameras)
+      if (camera.name == options.camera) return camera;
+    std::size_t number = 0;
+    const auto [end, error] =
+        std::from_chars(options.camera.data(), options.camera.data() + options.camera.size(), number);
+    if (error == std::errc() && *end == '\0' && number < scene.cameras.size()) return scene.cameras[number];
+    std::string names;
+    for (std::size_t i = 0; i < scene.cameras.size(); ++i)
+      names += fmt::format("{}{} \"{}\"", i == 0 ? "" : ", ", i, scene.cameras[i].name);
+    throw InvalidOption(fmt::format("--camera: expected one of the file's cameras ({}), found \"{}\"",
+                                    names.empty() ? "it has none" : names, options.camera));
+  }
+  if (!options.eye.empty()) {
+    const std::vector<float> eye = parse_numbers("--eye", options.eye, 3, 3);
+    glm::vec3 target = bounds.is_empty() ? glm::vec3(0) : bounds.center();
+    if (!options.target.empty()) {
+      const std::vector<float> t = parse_numbers("--target", options.target, 3, 3);
+      target = {t[0], t[1], t[2]};
+    }
+    Camera camera = look_at({eye[0], eye[1], eye[2]}, target, options.fov_deg.value_or(35.0f) * rad_per_deg);
+    camera.near_distance = std::max(1e-4f * bounds.radius(), 1e-30f);
+    return camera;
+  }
+  if (!options.target.empty() || options.fov_deg)
+    throw InvalidOption("--target, --fov-deg: expected --eye with them");
+  if (!scene.cameras.empty()) return scene.cameras.front();
+  return frame(bounds, aspect);
+}
+
+}  // namespace lambake::tool

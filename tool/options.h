@@ -1,0 +1,67 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "console.h"
+#include "lambake/geometry/normals.h"
+#include "lambake/io/scene_file.h"
+
+namespace lambake::tool {
+
+/// What every command that reads a scene takes.
+struct SceneOptions {
+  std::string input;
+  std::string lights_file;
+  std::vector<std::string> suns, lamps;  ///< "X,Y,Z[,R,G,B]" and "X,Y,Z[,R,G,B[,DECAY]]".
+  bool no_file_lights = false;
+  std::string gltf_scene;
+  std::string albedo;  ///< "R,G,B".
+  std::string normals = "auto";
+  std::optional<float> crease_angle_deg;
+  float exposure_stops = 0;
+  std::size_t threads = 0;
+  bool json = false;
+  bool quiet = false;
+};
+
+struct CameraOptions {
+  std::string camera;       ///< Name or number of a camera of the file.
+  std::string eye, target;  ///< "X,Y,Z".
+  std::optional<float> fov_deg;
+  std::string size = "1024x768";
+};
+
+void add_scene_options(CLI::App& command, SceneOptions& options);
+void add_camera_options(CLI::App& command, CameraOptions& options);
+
+/// The scene ready to be lit: read, lights added, exposure applied, creases split, normals made.
+struct LoadedScene {
+  SceneFile file;
+  std::string normals;  ///< What the vertex normals are, e.g. "file", "angle, creases at 30 degrees".
+  std::vector<std::string> notes;  ///< For people: defaults taken, units converted.
+};
+
+/// Laps "read" and "normals" on the stopwatch; notes and findings are told on the console.
+LoadedScene load_scene(const SceneOptions& options, Console& console, Stopwatch& stopwatch);
+
+/// The size of the picture, at least 1x1 and at most 16384x16384. @throws InvalidOption.
+glm::uvec2 picture_size(const CameraOptions& options);
+
+/// The camera asked for, or the scene's first one, or an automatic framing of the model.
+/// @throws InvalidOption if there is no such camera.
+Camera choose_camera(const CameraOptions& options, const Scene& scene, const glm::uvec2& size);
+
+/// Throws InvalidOption unless `path` ends in .png or .exr.
+void check_picture_path(const std::string& path);
+
+/// Comma-separated numbers, between `min_count` and `max_count` of them. @throws InvalidOption naming
+/// `option`.
+std::vector<float> parse_numbers(const std::string& option, const std::string& text, std::size_t min_count,
+                                 std::size_t max_count);
+
+}  // namespace lambake::tool
