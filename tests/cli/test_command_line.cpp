@@ -1,0 +1,213 @@
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <regex>
+
+#include "cli/run_tool.h"
+
+namespace lambake::test {
+namespace {
+
+/// A quad of two triangles, z up.
+void write_quad(const std::filesystem::path& path) {
+  std::ofstream(path) << "OFF\n4 2 0\n-1 -1 0\n1 -1 0\n1 1 0\n-1 1 0\n3 0 1 2\n3 0 2 3\n";
+}
+
+/// An octahedron, whose vertex normals are far from its face normals.
+void write_octahedron(const std::filesystem::path& path) {
+  std::ofstream(path) << "OFF\n6 8 0\n1 0 0\n-1 0 0\n0 1 0\n0 -1 0\n0 0 1\n0 0 -1\n"
+                         "3 0 2 4\n3 2 1 4\n3 1 3 4\n3 3 0 4\n3 2 0 5\n3 1 2 5\n3 3 1 5\n3 0 3 5\n";
+}
+
+std::size_t count_lines(const std::string& text) {
+  return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
+}
+
+TEST(CommandLine, Bake_GlbAndPly_WritesBothAndSaysSo) {
+  const ScratchFolder folder("bake");
+  write_octahedron(folder / "in.off");
+  const ToolResult result = run_tool(folder, "bake in.off --sun 0,0,1 -o a.glb -o b.ply");
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.out.find("a.glb: 6 vertices, 8 triangles"), std::string::npos) << result.out;
+  EXPECT_EQ(read_bytes(folder / "a.glb").substr(0, 4), "glTF");
+  EXPECT_EQ(read_bytes(folder / "b.ply").substr(0, 4), "ply\n");
+}
+
+TEST(CommandLine, EveryCommand_Json_IsJsonAndNothingElse) {
+  const ScratchFolder folder("json");
+  write_octahedron(folder / "in.off");
+  for (const char* arguments : {"bake in.off -o a.glb --json", "render in.off -o a.png --size 32x32 --json",
+                                "compare in.off -o cmp --size 32x32 --json", "info in.off --json"}) {
+    const ToolResult result = run_tool(folder, arguments);
+    EXPECT_EQ(result.exit_code, 0) << arguments << "\n" << result.err;
+    const auto json = nlohmann::json::parse(result.out, nullptr, false);
+    EXPECT_TRUE(json.is_object()) << arguments << "\n" << result.out;
+  }
+}
+
+TEST(CommandLine, Help_EveryCommand_HasAnExampleThatRuns) {
+  const ScratchFolder folder("help");
+  write_octahedron(folder / "bunny.ply.off");
+  for (const std::string command : {"bake", "render", "compare", "info"}) {
+    const ToolResult help = run_tool(folder, command + " --help");
+    EXPECT_EQ(help.exit_code, 0);
+    std::smatch match;
+    ASSERT_TRUE(std::regex_search(help.out, match, std::regex("Example: lambake ([^\n]*(\n +[^\n]+)*)")))
+        << help.out;
+    const std::string example =
+        std::regex_replace(match[1].str(), std::regex("bunny\\.ply(?!\\.off)"), "bunny.ply.off");
+    // The examples may say "differs too much": what is tested is that their options are right.
+    const ToolResult result = run_tool(folder, example);
+    EXPECT_TRUE(result.exit_code == 0 || result.exit_code == 1) << example << "\n" << result.err;
+  }
+}
+
+TEST(CommandLine, Usage_WrongOptions_ExitWith2AndOneLine) {
+  const ScratchFolder folder("usage");
+  write_quad(folder / "in.off");
+  for (const char* arguments : {"",
+                                "bake",
+                                "bake in.off",
+                                "bake in.off -o a.xyz",
+                                "bake in.off -o a.glb --sun 1,2",
+                                "bake in.off -o a.glb --sun 0,0,0",
+                                "bake in.off -o a.glb --sun a,b,c",
+                                "bake in.off -o a.glb --sun nan,0,1",
+                                "bake in.off -o a.glb --lamp 1,2,3,4",
+                                "bake in.off -o a.glb --lamp 1,2,3,1,1,1,-1",
+                                "bake in.off -o a.glb --sun 0,0,1,-1,0,0",
+                                "bake in.off -o a.glb --normals round",
+                                "bake in.off -o a.glb --normals file",
+                                "bake in.off -o a.glb --crease-angle-deg 200",
+                                "bake in.off -o a.glb --albedo 2,0,0",
+                                "bake in.off -o a.ply --color u16",
+                                "bake in.off -o a.glb --exposure nan",
+                                "render in.off -o a.png --size 0x10",
+                                "render in.off -o a.png --size 10",
+                                "render in.off -o a.jpg",
+                                "render in.off -o a.png --camera left",
+                                "render in.off -o a.png --eye 0,0,0 --target 0,0,0",
+                                "render in.off -o a.png --target 0,0,1",
+                                "compare in.off -o c --views 0",
+                                "compare in.off -o c --fail-above rmse",
+                                "compare in.off -o c --size 16x16 --fail-above nothing=1",
+                                "compare in.off -o c --views 3 --eye 1,2,3",
+                                "frobnicate in.off",
+                                "bake in.off -o a.glb --no-such-option"}) {
+    const ToolResult result = run_tool(folder, arguments);
+    EXPECT_EQ(result.exit_code, 2) << arguments << "\n" << result.err;
+    EXPECT_EQ(count_lines(result.err), 1 + (result.err.find("no light given") != std::string::npos))
+        << arguments << "\n"
+        << result.err;
+    EXPECT_TRUE(result.out.empty()) << arguments;
+  }
+}
+
+TEST(CommandLine, Input_MissingOrBroken_ExitWith3AndNothingWritten) {
+  const ScratchFolder folder("input");
+  std::ofstream(folder / "broken.off") << "OFF\n4 2 0\n-1 -1 0\n1 -1 0\n";
+  std::ofstream(folder / "index.off") << "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n";
+  std::ofstream(folder / "lights.json")
+      << R"({"lights": [{"type": "point", "position": [0, 0, 1], "colour": [1, 1, 1]}]})";
+  write_quad(folder / "in.off");
+  const std::size_t n_files = folder.files().size();
+  for (const char* arguments :
+       {"bake nothing.ply -o a.glb", "bake broken.off -o a.glb", "bake index.off -o a.glb",
+        "bake in.off --lights lights.json -o a.glb", "bake in.off --lights nothing.json -o a.glb",
+        "render broken.off -o a.png", "compare index.off -o c", "info broken.off", "bake . -o a.glb",
+        "bake in.off -o no/such/folder/a.glb"}) {
+    const ToolResult result = run_tool(folder, std::string(arguments) + " --quiet");
+    const bool is_info = std::string(arguments).starts_with("info");
+    const ToolResult& checked = is_info ? run_tool(folder, arguments) : result;
+    EXPECT_EQ(checked.exit_code, 3) << arguments << "\n" << checked.err;
+    EXPECT_EQ(count_lines(checked.err), 1U) << arguments << "\n" << checked.err;
+    EXPECT_EQ(folder.files().size(), n_files) << arguments;
+  }
+  EXPECT_NE(run_tool(folder, "bake in.off --lights lights.json -o a.glb").err.find("colour"),
+            std::string::npos);
+}
+
+TEST(CommandLine, Compare_Thresholds_DecideTheExitCode) {
+  const ScratchFolder folder("threshold");
+  write_octahedron(folder / "in.off");
+  const std::string compare = "compare in.off -o c --sun 0.3,0.2,1 --size 64x64 --quiet ";
+  EXPECT_EQ(run_tool(folder, compare + "--fail-above rmse=1").exit_code, 0);
+  const ToolResult failed =
+      run_tool(folder, compare + "--fail-above rmse=0.001 --fail-above surface.linear.rmse=0.9");
+  EXPECT_EQ(failed.exit_code, 1);
+  EXPECT_NE(failed.err.find("image.display.rmse"), std::string::npos) << failed.err;
+  EXPECT_EQ(count_lines(failed.err), 1U) << failed.err;
+}
+
+TEST(CommandLine, Compare_Folder_HoldsAllThatIsPromised) {
+  const ScratchFolder folder("folder");
+  write_octahedron(folder / "in.off");
+  ASSERT_EQ(run_tool(folder, "compare in.off -o out --sun 0.3,0.2,1 --size 64x64 --views 3").exit_code, 0);
+  std::vector<std::string> files = folder.files();
+  std::sort(files.begin(), files.end());
+  EXPECT_EQ(files, (std::vector<std::string>{"difference.png", "in.off", "index.html", "lit.glb", "lit.ply",
+                                             "per_fragment.exr", "per_fragment.png", "per_vertex.exr",
+                                             "per_vertex.png", "report.json"}));
+  const auto report = nlohmann::json::parse(read_bytes(folder / "out/report.json"));
+  for (const char* space : {"linear", "display"}) {
+    for (const char* key : {"rmse", "mae", "max", "psnr_db", "p99", "pixels", "pixels_over_1_255"})
+      EXPECT_TRUE(report["image"][space].contains(key)) << space << " " << key;
+    for (const char* key : {"rmse", "mae", "max_sampled", "area"})
+      EXPECT_TRUE(report["surface"][space].contains(key)) << space << " " << key;
+  }
+  EXPECT_GT(report["image"]["display"]["rmse"].get<double>(), 0.01);
+}
+
+TEST(CommandLine, FlatFaceUnderASun_Compare_DifferenceIsExactly0) {
+  const ScratchFolder folder("flat");
+  write_quad(folder / "in.off");
+  const ToolResult result =
+      run_tool(folder, "compare in.off -o c --sun 0.3,0.2,1 --size 64x64 --json --fail-above max=0");
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+}
+
+TEST(CommandLine, OneAndTwoThreads_SameBytes) {
+  const ScratchFolder folder("threads");
+  const std::string bunny = "'" LAMBAKE_SOURCE_DIR "/../shared/meshes/scan/lion-head.off'";
+  for (const char* n : {"1", "2"}) {
+    const std::string arguments =
+        bunny + " --lamp 50,300,0,9000,6000,3000 --sun 0.4,1,0.3 --quiet --threads " + n;
+    ASSERT_EQ(run_tool(folder, "bake " + arguments + " -o " + n + ".glb -o " + n + ".ply").exit_code, 0);
+    ASSERT_EQ(run_tool(folder, "compare " + arguments + " --size 200x150 -o c" + n).exit_code, 0);
+  }
+  for (const char* name : {".glb", ".ply"})
+    EXPECT_EQ(read_bytes(folder / (std::string("1") + name)), read_bytes(folder / (std::string("2") + name)))
+        << name;
+  for (const char* name : {"per_vertex.png", "per_fragment.exr", "difference.png", "lit.glb"})
+    EXPECT_EQ(read_bytes(folder / (std::string("c1/") + name)),
+              read_bytes(folder / (std::string("c2/") + name)))
+        << name;
+  const auto numbers = [&](const char* path) {
+    auto report = nlohmann::json::parse(read_bytes(folder / path));
+    report.erase("seconds");
+    report.erase("command");
+    return report;
+  };
+  EXPECT_EQ(numbers("c1/report.json"), numbers("c2/report.json"));
+}
+
+TEST(CommandLine, NoLight_DefaultSun_IsSaid) {
+  const ScratchFolder folder("default");
+  write_quad(folder / "in.off");
+  const ToolResult result = run_tool(folder, "bake in.off -o a.glb");
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_NE(result.err.find("one white sun from 0.4,1,0.3"), std::string::npos) << result.err;
+}
+
+TEST(CommandLine, LightAbove1_ClippedVertices_AreTold) {
+  const ScratchFolder folder("clip");
+  write_quad(folder / "in.off");
+  const ToolResult result = run_tool(folder, "bake in.off --sun 0,0,1,3,3,3 -o a.glb");
+  EXPECT_NE(result.err.find("4 of 4 vertices are brighter than 1"), std::string::npos) << result.err;
+  EXPECT_EQ(run_tool(folder, "bake in.off --sun 0,0,1,3,3,3 --exposure -2 -o a.glb").err, "");
+}
+
+}  // namespace
+}  // namespace lambake::test
