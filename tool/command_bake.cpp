@@ -27,10 +27,12 @@ int bake_and_write(const BakeCommand& command) {
   Stopwatch stopwatch;
   for (const std::string& path : command.outputs) check_baked_path(path, command.output);
   LoadedScene loaded = load_scene(command.scene, console, stopwatch);
+  console.stage("baking");
   const BakedColors baked = bake(loaded.file.scene, bake_options(command.method, console));
   console.tell(baked.findings);
   stopwatch.lap("bake");
 
+  console.stage("writing");
   nlohmann::ordered_json json;
   const Mesh& mesh = mesh_of(loaded.file.scene, baked);
   json["input"] = loaded.file.format;
@@ -53,11 +55,14 @@ int bake_and_write(const BakeCommand& command) {
                                {"bytes", std::filesystem::file_size(path)},
                                {"clipped_vertices", written.clipped_vertices},
                                {"findings", findings_json(written.findings)}});
-    if (!command.scene.json && !command.scene.quiet)
+    if (!command.scene.json && !command.scene.quiet) {
+      console.clear_bar();
       fmt::print("{}: {} vertices, {} triangles, {} bytes\n", path, group_digits(mesh.n_vertices()),
                  group_digits(mesh.n_triangles()), group_digits(std::filesystem::file_size(path)));
+    }
   }
   stopwatch.lap("write");
+  console.clear_bar();
   json["findings"] = findings_json(findings);
   json["seconds"] = seconds_json(stopwatch);
   if (command.scene.json) fmt::print("{}\n", json_text(json));

@@ -81,6 +81,7 @@ void compare_views(const CompareCommand& command, const Scene& scene, const Bake
     cameras = frame_around(bounds_of(scene.mesh.positions),
                            static_cast<float>(size.x) / static_cast<float>(size.y), command.n_views);
   }
+  console.stage("pictures");
   const Progress progress = console.progress();
   std::vector<ImageError> linear, display;
   std::size_t n_edge_pixels = 0;
@@ -104,7 +105,6 @@ void compare_views(const CompareCommand& command, const Scene& scene, const Bake
     comparison.per_fragment = std::move(per_fragment);
     comparison.visibility = std::move(visibility);
   }
-  console.clear_bar();
   comparison.n_views = cameras.size();
   comparison.image_linear = combine(linear);
   comparison.image_display = combine(display);
@@ -139,6 +139,7 @@ int compare_and_write(const CompareCommand& command, const std::string& command_
 
   LoadedScene loaded = load_scene(command.scene, console, stopwatch);
   const Scene& scene = loaded.file.scene;
+  console.stage("baking");
   const BakedColors baked = bake(scene, bake_options(command.method, console));
   console.tell(baked.findings);
   stopwatch.lap("bake");
@@ -159,10 +160,12 @@ int compare_and_write(const CompareCommand& command, const std::string& command_
   comparison.findings.insert(comparison.findings.end(), baked.findings.begin(), baked.findings.end());
   compare_views(command, scene, baked, console, comparison);
   stopwatch.lap("pictures");
+  console.stage("surface error");
   comparison.surface_linear = surface_error(scene, baked, ErrorSpace::linear);
   comparison.surface_display = surface_error(scene, baked, ErrorSpace::display);
   stopwatch.lap("surface");
 
+  console.stage("writing");
   const std::filesystem::path folder(command.folder);
   std::error_code error;
   std::filesystem::create_directories(folder, error);
@@ -187,6 +190,7 @@ int compare_and_write(const CompareCommand& command, const std::string& command_
   write_text(folder / "report.json", report);
   write_text(folder / "index.html", report_page(comparison));
 
+  console.clear_bar();
   if (command.scene.json) {
     fmt::print("{}\n", report);
   } else if (!command.scene.quiet) {

@@ -30,6 +30,7 @@ int render_and_write(const RenderCommand& command) {
   const LoadedScene loaded = load_scene(command.scene, console, stopwatch);
   const Scene& scene = loaded.file.scene;
   const Camera camera = choose_camera(command.camera, scene, size);
+  console.stage("rendering");
   Picture picture;
   std::size_t n_covered = 0;
   if (command.shading == "fragment") {
@@ -47,6 +48,7 @@ int render_and_write(const RenderCommand& command) {
     n_covered = visibility.n_covered;
   }
   stopwatch.lap("shade");
+  console.clear_bar();
   for (const std::string& path : command.outputs) {
     write_picture(path, picture);
     if (!command.scene.json && !command.scene.quiet) fmt::print("{}: {}x{} pixels\n", path, size.x, size.y);

@@ -8,14 +8,23 @@
 
 namespace lambake::tool {
 
-Console::Console(bool is_quiet)
-    : is_quiet_(is_quiet),
-      is_terminal_(::isatty(STDERR_FILENO) == 1),
-      start_(std::chrono::steady_clock::now()) {}
+Console::Console(bool is_quiet) : is_quiet_(is_quiet) {
+  if (is_quiet || ::isatty(STDERR_FILENO) != 1) return;
+  ticker_ = std::jthread([this](const std::stop_token& stop) {
+    while (!stop.stop_requested()) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+      const std::lock_guard lock(mutex_);
+      draw_bar();
+    }
+    const std::lock_guard lock(mutex_);
+    remove_bar();
+  });
+}
 
 void Console::note(const std::string& text) {
   if (is_quiet_) return;
-  clear_bar();
+  const std::lock_guard lock(mutex_);
+  remove_bar();
   fmt::print(stderr, "lambake: {}\n", text);
 }
 
@@ -23,22 +32,48 @@ void Console::tell(const Findings& findings) {
   for (const Finding& f : findings) note(fmt::format("{} {}", group_digits(f.count), f.text));
 }
 
+void Console::stage(const std::string& name) {
+  const std::lock_guard lock(mutex_);
+  remove_bar();
+  stage_ = name;
+  fraction_ = -1;
+  stage_start_ = std::chrono::steady_clock::now();
+}
+
 Progress Console::progress() {
-  if (is_quiet_ || !is_terminal_) return {};
   return [this](std::string_view stage, double fraction) {
-    if (std::chrono::steady_clock::now() - start_ < std::chrono::seconds(1)) return;
-    constexpr int width = 30;
-    const int filled = std::clamp(static_cast<int>(fraction * width), 0, width);
-    fmt::print(stderr, "\r\x1b[K{:<22} [{:#<{}}{:<{}}] {:3.0f}%", stage, "", filled, "", width - filled,
-               100 * fraction);
-    std::fflush(stderr);
-    has_bar_ = true;
+    const std::lock_guard lock(mutex_);
+    stage_ = stage;
+    fraction_ = fraction;
   };
 }
 
 void Console::clear_bar() {
+  stage("");
+}
+
+void Console::draw_bar() {
+  const double seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - stage_start_).count();
+  if (stage_.empty() || seconds < 1) return;
+  constexpr int width = 30;
+  if (fraction_ < 0) {  // Not known: a mark that moves.
+    const int at = static_cast<int>(seconds * 10) % width;
+    fmt::print(stderr, "\r\x1b[K{:<20} [{:>{}}{:<{}}] {:.0f} s", stage_, '#', at + 1, "", width - at - 1,
+               seconds);
+  } else {
+    const int filled = std::clamp(static_cast<int>(fraction_ * width), 0, width);
+    fmt::print(stderr, "\r\x1b[K{:<20} [{:#<{}}{:<{}}] {:3.0f} %", stage_, "", filled, "", width - filled,
+               100 * fraction_);
+  }
+  std::fflush(stderr);
+  has_bar_ = true;
+}
+
+void Console::remove_bar() {
   if (!has_bar_) return;
   fmt::print(stderr, "\r\x1b[K");
+  std::fflush(stderr);
   has_bar_ = false;
 }
 

@@ -2,7 +2,9 @@
 
 #include <chrono>
 #include <cstddef>
+#include <mutex>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -20,16 +22,24 @@ class Console {
   void note(const std::string& text);
   /// One line per finding.
   void tell(const Findings& findings);
-  /// Draws a bar once the work has lasted a second, on a terminal only.
+  /// Names the work that begins now. Once a stage has lasted a second, a bar shows it; on a terminal only.
+  void stage(const std::string& name);
+  /// For work that knows how far it is.
   Progress progress();
-  /// Removes the bar, if there is one.
+  /// Removes the bar, before results are printed.
   void clear_bar();
 
  private:
+  void draw_bar();
+  void remove_bar();
+
   bool is_quiet_ = false;
-  bool is_terminal_ = false;
+  std::mutex mutex_;  ///< Of all below.
+  std::string stage_;
+  double fraction_ = -1;  ///< Below 0: not known.
   bool has_bar_ = false;
-  std::chrono::steady_clock::time_point start_;
+  std::chrono::steady_clock::time_point stage_start_;
+  std::jthread ticker_;  ///< Draws the bar; last, so that it ends before what it reads.
 };
 
 /// Wall-clock seconds of the stages of a command, in order.

@@ -200,8 +200,10 @@ void add_camera_options(CLI::App& command, CameraOptions& options) {
 LoadedScene load_scene(const SceneOptions& options, Console& console, Stopwatch& stopwatch) {
   set_thread_count(options.threads);
   LoadedScene loaded;
+  console.stage("reading");
   loaded.file = read_scene_file(options.input, {options.gltf_scene, !options.no_file_lights});
   stopwatch.lap("read");
+  console.stage("normals");
   add_lights(options, loaded);
   apply_albedo(options.albedo, loaded.file);
   apply_exposure(options.exposure_stops, loaded.file.scene);
