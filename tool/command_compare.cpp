@@ -7,6 +7,7 @@
 #include "commands.h"
 #include "json_text.h"
 #include "lambake/core/error.h"
+#include "lambake/core/version.h"
 #include "lambake/io/image_file.h"
 #include "lambake/io/output_file.h"
 #include "lambake/measure/image_error.h"
@@ -147,7 +148,7 @@ int compare_and_write(const CompareCommand& command, const std::string& command_
   Comparison comparison;
   comparison.input = std::filesystem::path(command.scene.input).filename().string();
   comparison.command = command_line;
-  comparison.version = LAMBAKE_VERSION;
+  comparison.version = version();
   comparison.method = command.method.method;
   comparison.normals = loaded.normals;
   comparison.n_vertices = mesh_of(scene, baked).n_vertices();

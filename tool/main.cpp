@@ -7,6 +7,7 @@
 
 #include "commands.h"
 #include "lambake/core/error.h"
+#include "lambake/core/version.h"
 
 namespace {
 
@@ -35,7 +36,7 @@ int main(int argc, char** argv) {
       "Bakes light into vertex colours, renders the same scene lit per pixel, and tells how far the two are "
       "apart."};
   app.name("lambake");
-  app.set_version_flag("--version", "lambake " LAMBAKE_VERSION);
+  app.set_version_flag("--version", "lambake " + lambake::version() + "\n" + lambake::build_info());
   app.require_subcommand(1);
   app.footer(
       "Exit codes: 0 done; 1 a threshold of --fail-above was exceeded; 2 usage; 3 a file could not be read "
