@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <cmath>
 #include <filesystem>
 #include <memory>
 
@@ -45,14 +46,19 @@ Threshold parse_threshold(const std::string& text) {
   return {metric, parse_numbers("--fail-above", text.substr(equals + 1), 1, 1).front()};
 }
 
-/// The number at a dotted path. @throws InvalidOption if there is none.
-double find_metric(const nlohmann::ordered_json& report, const std::string& path) {
-  std::string pointer = "/" + path;
+nlohmann::ordered_json::json_pointer pointer_to(const std::string& metric) {
+  std::string pointer = "/" + metric;
   std::replace(pointer.begin(), pointer.end(), '.', '/');
-  try {
-    return report.at(nlohmann::ordered_json::json_pointer(pointer)).get<double>();
-  } catch (const nlohmann::json::exception&) {
-    throw InvalidOption(fmt::format("--fail-above: report.json has no number \"{}\"", path));
+  return nlohmann::ordered_json::json_pointer(pointer);
+}
+
+/// Throws InvalidOption unless every report has such a number; before any work is done.
+void check_metrics(const std::vector<Threshold>& thresholds) {
+  const auto report = nlohmann::ordered_json::parse(report_json({}));
+  for (const Threshold& threshold : thresholds) {
+    const auto pointer = pointer_to(threshold.metric);
+    if (!report.contains(pointer) || !(report[pointer].is_number() || report[pointer].is_null()))
+      throw InvalidOption(fmt::format("--fail-above: report.json has no number \"{}\"", threshold.metric));
   }
 }
 
@@ -113,11 +119,12 @@ void compare_views(const CompareCommand& command, const Scene& scene, const Bake
               "pixels are covered by only one of the two meshes (rounding at silhouettes); not compared");
 }
 
-/// Prints what failed; the exit code.
+/// Says what was exceeded; the exit code.
 int check_thresholds(const std::vector<Threshold>& thresholds, const nlohmann::ordered_json& report) {
   int exit_code = 0;
   for (const Threshold& threshold : thresholds) {
-    const double found = find_metric(report, threshold.metric);
+    const auto& value = report[pointer_to(threshold.metric)];
+    const double found = value.is_null() ? INFINITY : value.get<double>();  // JSON has no infinity: null.
     if (!(found > threshold.value)) continue;
     fmt::print(stderr, "lambake: {} is {}, above {}\n", threshold.metric, found, threshold.value);
     exit_code = 1;
@@ -136,6 +143,7 @@ int compare_and_write(const CompareCommand& command, const std::string& command_
   Stopwatch stopwatch;
   std::vector<Threshold> thresholds;
   for (const std::string& text : command.thresholds) thresholds.push_back(parse_threshold(text));
+  check_metrics(thresholds);
   picture_size(command.camera);
 
   LoadedScene loaded = load_scene(command.scene, console, stopwatch);

@@ -52,6 +52,8 @@ void write_with(OIIO::ImageOutput* output, const std::string& path, const std::s
   if (output == nullptr) throw IoError(name, "cannot be written: OpenImageIO has no writer for it");
   OIIO::ImageSpec spec(static_cast<int>(picture.width), static_cast<int>(picture.height), 3, type);
   spec.attribute("oiio:ColorSpace", type == OIIO::TypeDesc::UINT8 ? "sRGB" : "Linear");
+  // Otherwise the EXR writer stores the time of writing: same picture, same bytes.
+  spec.attribute("DateTime", "1970:01:01 00:00:00");
   if (proxy != nullptr) output->set_ioproxy(proxy);
   if (!output->open(path, spec) || !output->write_image(type, pixels) || !output->close())
     throw IoError(name, "cannot be written: " + first_line(output->geterror(), "unknown reason"));
