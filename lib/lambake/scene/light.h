@@ -13,7 +13,7 @@ enum class LightType { directional, point, spot };
 /// directional light of intensity 1, or a point light of intensity 1 at distance 1, has the colour (1,1,1).
 struct Light {
   LightType type = LightType::directional;
-  std::string name;
+  std::string name{};
   LinearRgb intensity{1, 1, 1};           ///< Colour × intensity; finite, each >= 0.
   glm::vec3 direction_to_light{0, 1, 0};  ///< directional: unit, from the surface towards the light.
   glm::vec3 position{0, 0, 0};            ///< point, spot.
