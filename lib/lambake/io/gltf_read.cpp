@@ -1,10 +1,248 @@
+#include <fmt/format.h>
+
+#include <limits>
+#include <set>
+
 #include "lambake/core/error.h"
 #include "lambake/io/gltf.h"
+#include "lambake/io/gltf_accessor.h"
+#include "lambake/io/gltf_asset.h"
+#include "lambake/io/gltf_lights.h"
+#include "lambake/io/gltf_materials.h"
+#include "lambake/io/gltf_nodes.h"
+#include "lambake/io/gltf_primitive.h"
+#include "lambake/io/gltf_source.h"
 
 namespace lambake {
+namespace {
 
-SceneFile read_gltf_file(const std::string& path, const ReadOptions&) {
-  throw IoError(path, "glTF is not read yet");
+std::size_t index_of(int i) {
+  return static_cast<std::size_t>(i);
+}
+
+class SceneReader {
+ public:
+  SceneReader(GltfAsset& asset, const ReadOptions& options) : asset_(asset), options_(options) {}
+
+  SceneFile read() {
+    world_ = world_matrices(asset_);
+    nodes_ = nodes_of_scene(asset_, options_.gltf_scene);
+    read_gltf_materials(asset_, scene_, findings_);
+    count_file();
+    choose_arrays();
+    for (const std::size_t node : nodes_) read_node(node);
+    if (scene_.mesh.triangles.empty())
+      throw InvalidScene(asset_.path + ": expected a scene with triangles, found none");
+    drop_identity();
+    tell();
+    file_.findings = std::move(findings_);
+    return std::move(file_);
+  }
+
+ private:
+  const tinygltf::Model& model() const { return asset_.model; }
+
+  template <typename Visit>
+  void for_each_placed_primitive(const Visit& visit) const {
+    for (const std::size_t node : nodes_)
+      if (model().nodes[node].mesh >= 0)
+        for (const tinygltf::Primitive& primitive :
+             model().meshes[index_of(model().nodes[node].mesh)].primitives)
+          if (has_triangles(primitive) && primitive.attributes.contains("POSITION")) visit(primitive);
+  }
+
+  /// Vertices and triangles as the file has them: once for each primitive, placed or not.
+  void count_file() {
+    for (const tinygltf::Mesh& mesh : model().meshes)
+      for (const tinygltf::Primitive& primitive : mesh.primitives) {
+        const auto position = primitive.attributes.find("POSITION");
+        if (position == primitive.attributes.end()) continue;
+        const std::size_t n_vertices = model().accessors[index_of(position->second)].count;
+        file_.n_vertices += n_vertices;
+        if (!has_triangles(primitive)) {
+          ++n_points_and_lines_;
+          continue;
+        }
+        const std::size_t n =
+            primitive.indices >= 0 ? model().accessors[index_of(primitive.indices)].count : n_vertices;
+        file_.n_faces += primitive.mode == TINYGLTF_MODE_TRIANGLES ? n / 3 : n < 3 ? 0 : n - 2;
+      }
+  }
+
+  /// Arrays that a placed primitive has are kept for all vertices; the others stay empty.
+  void choose_arrays() {
+    for_each_placed_primitive([&](const tinygltf::Primitive& primitive) {
+      if (const auto color = primitive.attributes.find("COLOR_0"); color != primitive.attributes.end()) {
+        has_colors_ = true;
+        has_opacities_ |= n_components_of(model().accessors[index_of(color->second)]) == 4;
+      }
+      for (std::size_t set = 0; set < 2; ++set)
+        has_texcoords_[set] |= primitive.attributes.contains(fmt::format("TEXCOORD_{}", set));
+    });
+  }
+
+  void read_node(std::size_t index) {
+    const tinygltf::Node& node = model().nodes[index];
+    if (options_.use_file_lights)
+      if (const auto light = read_gltf_light(asset_, index, world_[index])) scene_.lights.push_back(*light);
+    if (const auto camera = read_gltf_camera(asset_, index, world_[index])) scene_.cameras.push_back(*camera);
+    if (node.mesh < 0) return;
+    const tinygltf::Mesh& mesh = model().meshes[index_of(node.mesh)];
+    bool is_morphed = false;
+    for (std::size_t p = 0; p < mesh.primitives.size(); ++p) {
+      const tinygltf::Primitive& primitive = mesh.primitives[p];
+      if (!has_triangles(primitive)) continue;
+      if (!primitive.attributes.contains("POSITION")) {
+        ++n_without_positions_;
+        continue;
+      }
+      is_morphed |= !primitive.targets.empty();
+      read_primitive(index, index_of(node.mesh), p);
+    }
+    if (is_morphed) ++n_morphed_;
+    if (node.skin >= 0) ++n_skinned_;
+  }
+
+  void read_primitive(std::size_t node, std::size_t mesh_index, std::size_t primitive_index) {
+    const tinygltf::Primitive& primitive = model().meshes[mesh_index].primitives[primitive_index];
+    const std::string where = fmt::format("meshes[{}].primitives[{}]", mesh_index, primitive_index);
+    Mesh& mesh = scene_.mesh;
+    const WorldVertices vertices = read_vertices(asset_, node, primitive, world_, where);
+    const std::size_t n = vertices.positions.size();
+    std::vector<glm::uvec3> triangles = read_triangles(asset_, primitive, n, where);
+    const std::size_t n_most = mesh.n_vertices() + n + 3 * triangles.size();
+    if (n_most >= std::numeric_limits<std::uint32_t>::max())
+      throw InvalidScene(asset_.path + ": expected fewer than 2^32 vertices in all placed copies together");
+
+    PlacedPrimitive placed{.node = node, .mesh = mesh_index, .primitive = primitive_index};
+    placed.vertex_begin = static_cast<std::uint32_t>(mesh.n_vertices());
+    placed.n_accessor_vertices = static_cast<std::uint32_t>(n);
+    placed.source_begin = n_source_vertices_;
+    placed.triangle_begin = static_cast<std::uint32_t>(mesh.n_triangles());
+    mesh.positions.insert(mesh.positions.end(), vertices.positions.begin(), vertices.positions.end());
+    mesh.normals.insert(mesh.normals.end(), vertices.normals.begin(), vertices.normals.end());
+    mesh.normals.resize(mesh.n_vertices(), glm::vec3(0));
+    for (std::uint32_t i = 0; i < n; ++i) mesh.source_vertices.push_back(n_source_vertices_ + i);
+    n_source_vertices_ += static_cast<std::uint32_t>(n);
+    read_colors(primitive, n, where);
+    for (std::size_t set = 0; set < 2; ++set) read_texcoords(primitive, set, n, where);
+
+    const auto material = static_cast<std::uint32_t>(primitive.material >= 0 ? index_of(primitive.material)
+                                                                             : model().materials.size());
+    for (glm::uvec3& t : triangles) {
+      t += placed.vertex_begin;
+      if (vertices.is_mirrored) std::swap(t[1], t[2]);
+      mesh.triangles.push_back(t);
+      mesh.materials.push_back(material);
+    }
+    if (vertices.normals.empty()) shade_flat(placed);
+    placed.triangle_end = static_cast<std::uint32_t>(mesh.n_triangles());
+    asset_.placed.push_back(placed);
+  }
+
+  void read_colors(const tinygltf::Primitive& primitive, std::size_t n, const std::string& where) {
+    Mesh& mesh = scene_.mesh;
+    if (!has_colors_) return;
+    const auto found = primitive.attributes.find("COLOR_0");
+    if (found == primitive.attributes.end()) {
+      mesh.colors.resize(mesh.n_vertices(), {1, 1, 1});
+      if (has_opacities_) mesh.opacities.resize(mesh.n_vertices(), 1.0f);
+      return;
+    }
+    const std::size_t n_components = n_components_of(model().accessors[index_of(found->second)]) == 4 ? 4 : 3;
+    const std::vector<float> values =
+        read_attribute(asset_, primitive.attributes, "COLOR_0", n_components, n, where);
+    const auto unit = [](float x) { return x >= 0 ? std::min(x, 1.0f) : 0.0f; };
+    for (std::size_t i = 0; i < n; ++i) {
+      const float* c = values.data() + i * n_components;
+      mesh.colors.push_back({unit(c[0]), unit(c[1]), unit(c[2])});
+      if (has_opacities_) mesh.opacities.push_back(n_components == 4 ? unit(c[3]) : 1.0f);
+    }
+  }
+
+  void read_texcoords(const tinygltf::Primitive& primitive, std::size_t set, std::size_t n,
+                      const std::string& where) {
+    if (!has_texcoords_[set]) return;
+    std::vector<glm::vec2>& texcoords = scene_.mesh.texcoords[set];
+    const std::vector<float> values =
+        read_attribute(asset_, primitive.attributes, fmt::format("TEXCOORD_{}", set), 2, n, where);
+    for (std::size_t i = 0; i < values.size() / 2; ++i)
+      texcoords.emplace_back(values[2 * i], values[2 * i + 1]);
+    texcoords.resize(scene_.mesh.n_vertices(), glm::vec2(0));
+  }
+
+  /// A primitive without normals is flat: each corner gets the normal of its face. The first corner at a
+  /// vertex keeps it, the others get copies.
+  void shade_flat(const PlacedPrimitive& placed) {
+    Mesh& mesh = scene_.mesh;
+    ++n_flat_;
+    std::vector<bool> is_taken(placed.n_accessor_vertices, false);
+    for (std::size_t f = placed.triangle_begin; f < mesh.n_triangles(); ++f) {
+      glm::uvec3& t = mesh.triangles[f];
+      const glm::dvec3 a(mesh.positions[t[0]]), b(mesh.positions[t[1]]), c(mesh.positions[t[2]]);
+      const glm::dvec3 cross = glm::cross(b - a, c - a);
+      const double length = glm::length(cross);
+      const glm::vec3 normal = length > 0 ? glm::vec3(cross / length) : glm::vec3(0);
+      for (int corner = 0; corner < 3; ++corner) {
+        const std::uint32_t i = t[corner] - placed.vertex_begin;
+        if (is_taken[i]) t[corner] = append_vertex_copy(mesh, t[corner]);
+        is_taken[i] = true;
+        mesh.normals[t[corner]] = normal;
+      }
+    }
+  }
+
+  void drop_identity() {
+    Mesh& mesh = scene_.mesh;
+    bool is_identity = true;
+    for (std::uint32_t v = 0; v < mesh.n_vertices() && is_identity; ++v)
+      is_identity = mesh.source_vertices[v] == v;
+    if (is_identity) mesh.source_vertices.clear();
+  }
+
+  void tell() {
+    add_finding(findings_, "points_and_lines", n_points_and_lines_,
+                "primitives are points or lines; kept as they are, not lit");
+    add_finding(findings_, "primitives_without_positions", n_without_positions_,
+                "placed primitives have no positions; kept as they are, not lit");
+    add_finding(findings_, "flat_primitives", n_flat_, "placed primitives have no normals; shaded flat");
+    add_finding(findings_, "skinned_nodes", n_skinned_, "nodes are skinned; baked in the pose of the file");
+    add_finding(findings_, "morphed_nodes", n_morphed_,
+                "nodes have morph targets; baked with the weights of the file");
+    add_finding(findings_, "light_units", scene_.lights.size(),
+                "lights of the file are in lux or candela; divided by pi (docs/gltf.md)");
+    std::size_t n_outside = 0;
+    const std::set<std::size_t> inside(nodes_.begin(), nodes_.end());
+    for (std::size_t n = 0; n < model().nodes.size(); ++n)
+      if (model().nodes[n].mesh >= 0 && !inside.contains(n)) ++n_outside;
+    add_finding(findings_, "nodes_outside_scene", n_outside,
+                "nodes with a mesh are not in the scene; kept as they are, not lit");
+    for (const std::string& name : model().extensionsUsed)
+      if (!is_known_extension(name))
+        add_finding(findings_, "extension_ignored", 1,
+                    fmt::format("extension {} is kept, but not understood", name));
+  }
+
+  GltfAsset& asset_;
+  const ReadOptions& options_;
+  SceneFile file_;
+  Scene& scene_ = file_.scene;
+  Findings findings_;
+  std::vector<glm::dmat4> world_;
+  std::vector<std::size_t> nodes_;
+  bool has_colors_ = false, has_opacities_ = false, has_texcoords_[2] = {false, false};
+  std::uint32_t n_source_vertices_ = 0;
+  std::size_t n_points_and_lines_ = 0, n_without_positions_ = 0, n_flat_ = 0, n_skinned_ = 0, n_morphed_ = 0;
+};
+
+}  // namespace
+
+SceneFile read_gltf_file(const std::string& path, const ReadOptions& options) {
+  const auto asset = std::make_shared<GltfAsset>(load_gltf_asset(path));
+  SceneFile file = SceneReader(*asset, options).read();
+  file.format = asset->is_glb ? "GLB" : "glTF";
+  file.asset = asset;
+  return file;
 }
 
 }  // namespace lambake

@@ -3,12 +3,14 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <optional>
 
 #include "lambake/core/bounds.h"
 #include "lambake/core/error.h"
 #include "lambake/io/gltf_color.h"
 #include "lambake/io/gltf_document.h"
 #include "lambake/io/gltf_write.h"
+#include "lambake/io/image_file.h"
 
 namespace lambake {
 namespace {
@@ -187,6 +189,11 @@ class NewAsset {
   /// Base colour and emission are in the vertex colours: only the texture is left to the material.
   std::size_t write_material(GltfDocument& document, const Material& material) {
     GltfJson pbr{{"metallicFactor", 0.0}};
+    if (material.base_color_texture != no_texture) {
+      const Texture& texture = scene_.textures[material.base_color_texture];
+      pbr["baseColorTexture"] = {{"index", write_texture(document, material.base_color_texture)},
+                                 {"texCoord", texture.texcoord_set}};
+    }
     GltfJson json{{"pbrMetallicRoughness", std::move(pbr)}};
     if (!material.name.empty()) json["name"] = material.name;
     if (material.is_double_sided) json["doubleSided"] = true;
@@ -200,12 +207,46 @@ class NewAsset {
     return append_to(document.json, "materials", std::move(json));
   }
 
+  std::size_t write_texture(GltfDocument& document, std::uint32_t index) {
+    texture_of_.resize(scene_.textures.size());
+    image_of_.resize(scene_.images.size());
+    if (texture_of_[index]) return *texture_of_[index];
+    const Texture& texture = scene_.textures[index];
+    if (!image_of_[texture.image]) {
+      const std::string png = encode_png(picture_of(scene_.images[texture.image]));
+      const std::size_t view =
+          append_view(document, {reinterpret_cast<const unsigned char*>(png.data()), png.size()}, 0, 0);
+      image_of_[texture.image] =
+          append_to(document.json, "images", {{"bufferView", view}, {"mimeType", "image/png"}});
+    }
+    const int filter = texture.filter == TextureFilter::nearest ? 9728 : 9729;
+    const std::size_t sampler = append_to(document.json, "samplers",
+                                          {{"magFilter", filter},
+                                           {"minFilter", filter},
+                                           {"wrapS", wrap_code(texture.wrap_s)},
+                                           {"wrapT", wrap_code(texture.wrap_t)}});
+    texture_of_[index] =
+        append_to(document.json, "textures", {{"sampler", sampler}, {"source", *image_of_[texture.image]}});
+    return *texture_of_[index];
+  }
+
+  static int wrap_code(TextureWrap wrap) {
+    return wrap == TextureWrap::repeat ? 10497 : wrap == TextureWrap::clamp_to_edge ? 33071 : 33648;
+  }
+
+  static Picture picture_of(const Image& image) {
+    Picture picture{image.width, image.height, {}};
+    for (const glm::vec4& p : image.pixels) picture.pixels.push_back({p.r, p.g, p.b});
+    return picture;
+  }
+
   const Scene& scene_;
   const Mesh& mesh_;
   const std::vector<LinearRgb>& colors_;
   const GltfWriteOptions& options_;
   WrittenColors written_;
   std::size_t negative_ = 0, normals_replaced_ = 0;
+  std::vector<std::optional<std::size_t>> texture_of_, image_of_;
 };
 
 }  // namespace

@@ -1,0 +1,226 @@
+#include "lambake/io/gltf_accessor.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+
+#include "lambake/core/error.h"
+
+namespace lambake {
+namespace {
+
+std::size_t index_of(int i) {
+  return static_cast<std::size_t>(i);
+}
+
+std::size_t component_bytes(int component_type) {
+  switch (component_type) {
+    case TINYGLTF_COMPONENT_TYPE_BYTE:
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+      return 1;
+    case TINYGLTF_COMPONENT_TYPE_SHORT:
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+      return 2;
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
+    case TINYGLTF_COMPONENT_TYPE_FLOAT:
+      return 4;
+    default:
+      return 0;
+  }
+}
+
+const unsigned char* view_begin(const tinygltf::Model& model, int view_index) {
+  const tinygltf::BufferView& view = model.bufferViews[index_of(view_index)];
+  return model.buffers[index_of(view.buffer)].data.data() + view.byteOffset;
+}
+
+template <typename T>
+T load(const unsigned char* bytes) {
+  T value;
+  std::memcpy(&value, bytes, sizeof value);
+  return value;
+}
+
+std::uint32_t load_unsigned(const unsigned char* bytes, int component_type) {
+  switch (component_type) {
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+      return load<std::uint8_t>(bytes);
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+      return load<std::uint16_t>(bytes);
+    default:
+      return load<std::uint32_t>(bytes);
+  }
+}
+
+/// Normalised integers by the specification: c / max, and for signed ones max(c / max, -1).
+float load_float(const unsigned char* bytes, int component_type, bool is_normalized) {
+  const auto scaled = [is_normalized](float value, float max) {
+    return is_normalized ? std::max(value / max, -1.0f) : value;
+  };
+  switch (component_type) {
+    case TINYGLTF_COMPONENT_TYPE_BYTE:
+      return scaled(load<std::int8_t>(bytes), 127);
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+      return scaled(load<std::uint8_t>(bytes), 255);
+    case TINYGLTF_COMPONENT_TYPE_SHORT:
+      return scaled(load<std::int16_t>(bytes), 32767);
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+      return scaled(load<std::uint16_t>(bytes), 65535);
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
+      return scaled(static_cast<float>(load<std::uint32_t>(bytes)), 4294967295.0f);
+    default:
+      return load<float>(bytes);
+  }
+}
+
+class AccessorCheck {
+ public:
+  AccessorCheck(const std::string& path, const tinygltf::Model& model) : path_(path), model_(model) {}
+
+  void run() {
+    for (std::size_t i = 0; i < model_.bufferViews.size(); ++i) {
+      where_ = fmt::format("bufferViews[{}]", i);
+      const tinygltf::BufferView& view = model_.bufferViews[i];
+      expect(view.buffer >= 0 && index_of(view.buffer) < model_.buffers.size(), "a buffer that there is",
+             view.buffer);
+      const std::size_t n_bytes = model_.buffers[index_of(view.buffer)].data.size();
+      expect(fits(view.byteOffset, view.byteLength, n_bytes),
+             fmt::format("bytes within the buffer of {}", n_bytes),
+             fmt::format("{} from {}", view.byteLength, view.byteOffset));
+    }
+    for (const tinygltf::Buffer& buffer : model_.buffers) n_file_bytes_ += buffer.data.size();
+    for (std::size_t i = 0; i < model_.accessors.size(); ++i) {
+      where_ = fmt::format("accessors[{}]", i);
+      check(model_.accessors[i]);
+    }
+  }
+
+ private:
+  template <typename Found>
+  void expect(bool holds, const std::string& expected, const Found& found) const {
+    if (!holds) throw IoError(path_, fmt::format("{}: expected {}, found {}", where_, expected, found));
+  }
+
+  static bool fits(std::size_t offset, std::size_t length, std::size_t size) {
+    return offset <= size && length <= size - offset;
+  }
+
+  /// Whether `count` elements, `stride` apart, lie in a view from `offset` on.
+  void check_elements(int view_index, std::size_t offset, std::size_t count, std::size_t stride,
+                      std::size_t element_bytes) const {
+    expect(view_index >= 0 && index_of(view_index) < model_.bufferViews.size(), "a buffer view that there is",
+           view_index);
+    const std::size_t size = model_.bufferViews[index_of(view_index)].byteLength;
+    const bool is_inside = offset <= size && element_bytes <= size - offset &&
+                           count - 1 <= (size - offset - element_bytes) / stride;
+    expect(is_inside, fmt::format("elements within the view of {} bytes", size),
+           fmt::format("{} elements of {} bytes, {} apart, from {}", count, element_bytes, stride, offset));
+  }
+
+  void check(const tinygltf::Accessor& accessor) const {
+    const std::size_t n_component_bytes = component_bytes(accessor.componentType);
+    expect(n_component_bytes > 0, "a componentType of glTF", accessor.componentType);
+    const int n = tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(accessor.type));
+    expect(n > 0, "a type of glTF", accessor.type);
+    const std::size_t element_bytes = n_component_bytes * index_of(n);
+    expect(accessor.count > 0, "a count of at least 1", accessor.count);
+    if (accessor.bufferView >= 0) {
+      check_elements(accessor.bufferView, 0, 1, 1, 0);
+      const std::size_t stride = model_.bufferViews[index_of(accessor.bufferView)].byteStride;
+      expect(stride == 0 || (stride >= element_bytes && stride <= 252),
+             fmt::format("a byteStride of {} to 252", element_bytes), stride);
+      check_elements(accessor.bufferView, accessor.byteOffset, accessor.count,
+                     stride == 0 ? element_bytes : stride, element_bytes);
+    } else {
+      // All zeros, or zeros with sparse values: nothing in the file holds the count, so it is held to the
+      // file.
+      expect(accessor.count <= std::max<std::size_t>(n_file_bytes_, 65536),
+             "a count that the file can hold, as the accessor has no buffer view", accessor.count);
+    }
+    if (accessor.sparse.isSparse) check_sparse(accessor, element_bytes);
+  }
+
+  void check_sparse(const tinygltf::Accessor& accessor, std::size_t element_bytes) const {
+    const auto& sparse = accessor.sparse;
+    expect(sparse.count > 0 && index_of(sparse.count) <= accessor.count,
+           fmt::format("a sparse count of 1 to {}", accessor.count), sparse.count);
+    expect(sparse.indices.byteOffset >= 0 && sparse.values.byteOffset >= 0, "sparse offsets of at least 0",
+           "a negative one");
+    const int type = sparse.indices.componentType;
+    expect(type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE || type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT ||
+               type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT,
+           "sparse indices of an unsigned componentType", type);
+    const std::size_t index_bytes = component_bytes(type);
+    check_elements(sparse.indices.bufferView, index_of(sparse.indices.byteOffset), index_of(sparse.count),
+                   index_bytes, index_bytes);
+    check_elements(sparse.values.bufferView, index_of(sparse.values.byteOffset), index_of(sparse.count),
+                   element_bytes, element_bytes);
+    const unsigned char* indices = view_begin(model_, sparse.indices.bufferView) + sparse.indices.byteOffset;
+    for (std::size_t i = 0; i < index_of(sparse.count); ++i) {
+      const std::uint32_t at = load_unsigned(indices + i * index_bytes, type);
+      expect(at < accessor.count, fmt::format("sparse indices below {}", accessor.count), at);
+    }
+  }
+
+  const std::string& path_;
+  const tinygltf::Model& model_;
+  std::string where_;
+  std::size_t n_file_bytes_ = 0;
+};
+
+}  // namespace
+
+void check_accessors(const std::string& path, const tinygltf::Model& model) {
+  AccessorCheck(path, model).run();
+}
+
+std::size_t n_components_of(const tinygltf::Accessor& accessor) {
+  return index_of(tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(accessor.type)));
+}
+
+std::vector<unsigned char> decode_bytes(const tinygltf::Model& model, std::size_t index) {
+  const tinygltf::Accessor& accessor = model.accessors[index];
+  const std::size_t n_bytes = component_bytes(accessor.componentType) * n_components_of(accessor);
+  std::vector<unsigned char> bytes(accessor.count * n_bytes);
+  if (accessor.bufferView >= 0) {
+    const std::size_t view_stride = model.bufferViews[index_of(accessor.bufferView)].byteStride;
+    const std::size_t stride = view_stride == 0 ? n_bytes : view_stride;
+    const unsigned char* from = view_begin(model, accessor.bufferView) + accessor.byteOffset;
+    for (std::size_t i = 0; i < accessor.count; ++i)
+      std::memcpy(bytes.data() + i * n_bytes, from + i * stride, n_bytes);
+  }
+  if (accessor.sparse.isSparse) {
+    const auto& sparse = accessor.sparse;
+    const int type = sparse.indices.componentType;
+    const unsigned char* indices = view_begin(model, sparse.indices.bufferView) + sparse.indices.byteOffset;
+    const unsigned char* values = view_begin(model, sparse.values.bufferView) + sparse.values.byteOffset;
+    for (std::size_t i = 0; i < index_of(sparse.count); ++i) {
+      const std::size_t at = load_unsigned(indices + i * component_bytes(type), type);
+      std::memcpy(bytes.data() + at * n_bytes, values + i * n_bytes, n_bytes);
+    }
+  }
+  return bytes;
+}
+
+std::vector<float> decode_floats(const tinygltf::Model& model, std::size_t index) {
+  const tinygltf::Accessor& accessor = model.accessors[index];
+  const std::vector<unsigned char> bytes = decode_bytes(model, index);
+  const std::size_t n_bytes = component_bytes(accessor.componentType);
+  std::vector<float> values(bytes.size() / n_bytes);
+  for (std::size_t i = 0; i < values.size(); ++i)
+    values[i] = load_float(bytes.data() + i * n_bytes, accessor.componentType, accessor.normalized);
+  return values;
+}
+
+std::vector<std::uint32_t> decode_unsigned(const tinygltf::Model& model, std::size_t index) {
+  const tinygltf::Accessor& accessor = model.accessors[index];
+  const std::vector<unsigned char> bytes = decode_bytes(model, index);
+  const std::size_t n_bytes = component_bytes(accessor.componentType);
+  std::vector<std::uint32_t> values(bytes.size() / n_bytes);
+  for (std::size_t i = 0; i < values.size(); ++i)
+    values[i] = load_unsigned(bytes.data() + i * n_bytes, accessor.componentType);
+  return values;
+}
+
+}  // namespace lambake

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <tiny_gltf.h>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+/// Accessors as plain arrays: stride, normalisation and sparse parts resolved; internal to io.
+namespace lambake {
+
+/// Throws IoError unless every view lies in its buffer and every accessor, its sparse part included, in its
+/// views, with a component type and a type of glTF.
+void check_accessors(const std::string& path, const tinygltf::Model& model);
+
+/// Components of an accessor's type: 1 for SCALAR to 16 for MAT4.
+std::size_t n_components_of(const tinygltf::Accessor& accessor);
+
+/// count × n_components values; integers as they are, or in [-1,1] where the accessor is normalised.
+std::vector<float> decode_floats(const tinygltf::Model& model, std::size_t accessor);
+
+/// `count` whole numbers of an accessor of unsigned integers.
+std::vector<std::uint32_t> decode_unsigned(const tinygltf::Model& model, std::size_t accessor);
+
+/// The elements' bytes, without gaps.
+std::vector<unsigned char> decode_bytes(const tinygltf::Model& model, std::size_t accessor);
+
+}  // namespace lambake

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <tiny_gltf.h>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "lambake/io/gltf_document.h"
+#include "lambake/io/scene_file.h"
+
+/// The glTF file behind a scene; internal to io.
+namespace lambake {
+
+/// A primitive of triangles under a node: where it went in the scene's mesh.
+struct PlacedPrimitive {
+  std::size_t node = 0, mesh = 0, primitive = 0;
+  std::uint32_t vertex_begin =
+      0;  ///< Vertices of the mesh as read: those of the accessors, then flat copies.
+  std::uint32_t n_accessor_vertices = 0;
+  std::uint32_t source_begin = 0;  ///< Mesh::source_vertices of accessor vertex i is source_begin + i.
+  std::uint32_t triangle_begin = 0, triangle_end = 0;
+};
+
+struct GltfAsset {
+  std::string path;
+  bool is_glb = false;
+  GltfJson json;          ///< As the file has it.
+  tinygltf::Model model;  ///< Nothing compressed, everything checked; images hold their encoded bytes.
+  std::size_t n_file_buffers = 0;  ///< The first of `model.buffers` are the file's own (fallbacks: 1 byte).
+  std::vector<PlacedPrimitive> placed;  ///< In the order of the mesh.
+};
+
+/// Reads and checks a file: every buffer view lies in its buffer, every accessor in its view, every index
+/// names something that there is, and the nodes are trees.
+/// @throws IoError.
+GltfAsset load_gltf_asset(const std::string& path);
+
+}  // namespace lambake

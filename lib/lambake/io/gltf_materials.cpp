@@ -1,0 +1,141 @@
+#include "lambake/io/gltf_materials.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <map>
+
+#include "lambake/core/error.h"
+#include "lambake/io/gltf_source.h"
+#include "lambake/io/image_file.h"
+
+namespace lambake {
+namespace {
+
+std::size_t index_of(int i) {
+  return static_cast<std::size_t>(i);
+}
+
+double number_or(const GltfJson& value, double fallback) {
+  return value.is_number() ? value.get<double>() : fallback;
+}
+
+/// The three numbers of a colour, in [0, ∞); the specification's default where there are not three.
+LinearRgb color_of(const std::vector<double>& values, const LinearRgb& fallback) {
+  if (values.size() < 3) return fallback;
+  const auto channel = [&](std::size_t i) { return static_cast<float>(std::max(0.0, values[i])); };
+  return {channel(0), channel(1), channel(2)};
+}
+
+TextureWrap wrap_of(int code) {
+  return code == TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE     ? TextureWrap::clamp_to_edge
+         : code == TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT ? TextureWrap::mirrored_repeat
+                                                         : TextureWrap::repeat;
+}
+
+class MaterialReader {
+ public:
+  MaterialReader(const GltfAsset& asset, Scene& scene, Findings& findings)
+      : asset_(asset), scene_(scene), findings_(findings) {}
+
+  void run() {
+    for (std::size_t i = 0; i < asset_.model.materials.size(); ++i)
+      scene_.materials.push_back(read(asset_.model.materials[i], asset_.json["materials"][i]));
+    Material& fallback = scene_.materials.emplace_back();
+    fallback.is_double_sided = false;
+    add_finding(findings_, "textures_left_out", n_left_out_,
+                "textures use a third set of texture coordinates or have no image; left out");
+  }
+
+ private:
+  Material read(const tinygltf::Material& from, const GltfJson& json) {
+    Material material;
+    material.name = from.name;
+    const std::vector<double>& factor = from.pbrMetallicRoughness.baseColorFactor;
+    material.base_color = color_of(factor, {1, 1, 1});
+    if (factor.size() == 4) material.opacity = static_cast<float>(std::clamp(factor[3], 0.0, 1.0));
+    material.base_color_texture =
+        read_texture(from.pbrMetallicRoughness.baseColorTexture,
+                     member(member(json, "pbrMetallicRoughness"), "baseColorTexture"));
+    const GltfJson& extensions = member(json, "extensions");
+    const double strength =
+        number_or(member(member(extensions, "KHR_materials_emissive_strength"), "emissiveStrength"), 1);
+    material.emission =
+        color_of(from.emissiveFactor, {0, 0, 0}) * static_cast<float>(std::max(0.0, strength));
+    if (!(material.emission == LinearRgb{0, 0, 0}))
+      material.emission_texture = read_texture(from.emissiveTexture, member(json, "emissiveTexture"));
+    material.alpha_mode = from.alphaMode == "MASK"    ? AlphaMode::mask
+                          : from.alphaMode == "BLEND" ? AlphaMode::blend
+                                                      : AlphaMode::opaque;
+    material.alpha_cutoff = static_cast<float>(from.alphaCutoff);
+    material.is_double_sided = from.doubleSided;
+    material.is_unlit = member(extensions, "KHR_materials_unlit").is_object();
+    return material;
+  }
+
+  std::uint32_t read_texture(const tinygltf::TextureInfo& info, const GltfJson& json) {
+    if (info.index < 0) return no_texture;
+    const tinygltf::Texture& from = asset_.model.textures[index_of(info.index)];
+    const GltfJson& transform = member(member(json, "extensions"), "KHR_texture_transform");
+    Texture texture;
+    texture.texcoord_set = static_cast<int>(number_or(member(transform, "texCoord"), info.texCoord));
+    if (from.source < 0 || index_of(from.source) >= asset_.model.images.size() || texture.texcoord_set < 0 ||
+        texture.texcoord_set > 1) {
+      ++n_left_out_;
+      return no_texture;
+    }
+    texture.image = read_image(index_of(from.source));
+    if (from.sampler >= 0) {
+      const tinygltf::Sampler& sampler = asset_.model.samplers[index_of(from.sampler)];
+      texture.wrap_s = wrap_of(sampler.wrapS), texture.wrap_t = wrap_of(sampler.wrapT);
+      if (sampler.magFilter == TINYGLTF_TEXTURE_FILTER_NEAREST) texture.filter = TextureFilter::nearest;
+    }
+    if (transform.is_object()) texture.transform = transform_of(transform);
+    scene_.textures.push_back(texture);
+    return static_cast<std::uint32_t>(scene_.textures.size() - 1);
+  }
+
+  /// Translation · rotation · scale of KHR_texture_transform; the rotation is counter-clockwise in texture
+  /// coordinates whose v points down.
+  static glm::mat3 transform_of(const GltfJson& json) {
+    const auto at = [&](const char* key, std::size_t i, double fallback) {
+      const GltfJson& values = member(json, key);
+      return static_cast<float>(values.is_array() && i < values.size() ? number_or(values[i], fallback)
+                                                                       : fallback);
+    };
+    const float angle = static_cast<float>(number_or(member(json, "rotation"), 0));
+    const float c = std::cos(angle), s = std::sin(angle);
+    const glm::mat3 translation(1, 0, 0, 0, 1, 0, at("offset", 0, 0), at("offset", 1, 0), 1);
+    const glm::mat3 rotation(c, -s, 0, s, c, 0, 0, 0, 1);
+    const glm::mat3 scale(at("scale", 0, 1), 0, 0, 0, at("scale", 1, 1), 0, 0, 0, 1);
+    return translation * rotation * scale;
+  }
+
+  std::uint32_t read_image(std::size_t index) {
+    const auto [place, is_new] =
+        image_of_.try_emplace(index, static_cast<std::uint32_t>(scene_.images.size()));
+    if (is_new) {
+      const std::vector<unsigned char>& bytes = asset_.model.images[index].image;
+      const std::string name = fmt::format("{}: images[{}]", asset_.path, index);
+      if (bytes.empty())
+        throw IoError(name,
+                      fmt::format("expected a file \"{}\", found none", asset_.model.images[index].uri));
+      scene_.images.push_back(decode_image(std::as_bytes(std::span(bytes)), name));
+    }
+    return place->second;
+  }
+
+  const GltfAsset& asset_;
+  Scene& scene_;
+  Findings& findings_;
+  std::map<std::size_t, std::uint32_t> image_of_;
+  std::size_t n_left_out_ = 0;
+};
+
+}  // namespace
+
+void read_gltf_materials(const GltfAsset& asset, Scene& scene, Findings& findings) {
+  MaterialReader(asset, scene, findings).run();
+}
+
+}  // namespace lambake

@@ -1,0 +1,15 @@
+#pragma once
+
+#include "lambake/core/finding.h"
+#include "lambake/io/gltf_asset.h"
+#include "lambake/scene/scene.h"
+
+/// Materials of glTF, read as Lambertian; internal to io.
+namespace lambake {
+
+/// Fills the scene's materials (those of the file, in its order, then the default one), and the textures and
+/// images that they need.
+/// @throws IoError if an image that is needed is missing or does not decode.
+void read_gltf_materials(const GltfAsset& asset, Scene& scene, Findings& findings);
+
+}  // namespace lambake

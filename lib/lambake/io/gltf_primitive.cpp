@@ -1,0 +1,187 @@
+#include "lambake/io/gltf_primitive.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <optional>
+
+#include "lambake/core/error.h"
+#include "lambake/io/gltf_accessor.h"
+
+namespace lambake {
+namespace {
+
+std::size_t index_of(int i) {
+  return static_cast<std::size_t>(i);
+}
+
+glm::dvec3 vec3_at(const std::vector<float>& values, std::size_t i) {
+  return {values[3 * i], values[3 * i + 1], values[3 * i + 2]};
+}
+
+/// Adds the morph targets' displacements with the weights of the node, or else of its mesh.
+void morph(const GltfAsset& asset, const tinygltf::Node& node, const tinygltf::Primitive& primitive,
+           const char* semantic, std::vector<float>& values, const std::string& where) {
+  const std::vector<double>& mesh_weights = asset.model.meshes[index_of(node.mesh)].weights;
+  const std::vector<double>& weights = node.weights.empty() ? mesh_weights : node.weights;
+  for (std::size_t t = 0; t < primitive.targets.size() && t < weights.size(); ++t) {
+    if (weights[t] == 0) continue;
+    const std::vector<float> offsets =
+        read_attribute(asset, primitive.targets[t], semantic, 3, values.size() / 3, where + ".targets");
+    for (std::size_t i = 0; i < offsets.size(); ++i)
+      values[i] = static_cast<float>(values[i] + weights[t] * offsets[i]);
+  }
+}
+
+/// World matrix of each vertex of a skinned primitive: Σ w · joint · inverse bind matrix.
+class Skinning {
+ public:
+  Skinning(const GltfAsset& asset, const tinygltf::Skin& skin, const tinygltf::Primitive& primitive,
+           const std::vector<glm::dmat4>& world, std::size_t n_vertices, const std::string& where) {
+    for (const int joint : skin.joints) matrices_.push_back(world[index_of(joint)]);
+    if (skin.inverseBindMatrices >= 0) {
+      const std::vector<float> binds = decode_floats(asset.model, index_of(skin.inverseBindMatrices));
+      if (binds.size() < 16 * matrices_.size())
+        throw IoError(asset.path, fmt::format("{}: expected {} inverse bind matrices, found {}", where,
+                                              matrices_.size(), binds.size() / 16));
+      for (std::size_t j = 0; j < matrices_.size(); ++j) {
+        glm::dmat4 bind;
+        for (int i = 0; i < 16; ++i) bind[i / 4][i % 4] = binds[16 * j + index_of(i)];
+        matrices_[j] = matrices_[j] * bind;
+      }
+    }
+    for (int set = 0; primitive.attributes.contains(fmt::format("JOINTS_{}", set)); ++set) {
+      const auto joints =
+          read_attribute(asset, primitive.attributes, fmt::format("JOINTS_{}", set), 4, n_vertices, where);
+      const auto weights =
+          read_attribute(asset, primitive.attributes, fmt::format("WEIGHTS_{}", set), 4, n_vertices, where);
+      if (weights.empty())
+        throw IoError(asset.path, fmt::format("{}: expected WEIGHTS_{}, found none", where, set));
+      for (std::size_t i = 0; i < joints.size(); ++i)
+        if (weights[i] != 0 && joints[i] >= static_cast<float>(matrices_.size()))
+          throw IoError(asset.path, fmt::format("{}.JOINTS_{}: expected joints below {}, found {}", where,
+                                                set, matrices_.size(), joints[i]));
+      joints_.push_back(joints);
+      weights_.push_back(weights);
+    }
+  }
+
+  glm::dmat4 matrix(std::size_t vertex) const {
+    glm::dmat4 sum(0);
+    double total = 0;
+    for (std::size_t set = 0; set < joints_.size(); ++set)
+      for (std::size_t k = 4 * vertex; k < 4 * vertex + 4; ++k) {
+        const double weight = weights_[set][k];
+        if (weight == 0) continue;
+        sum += weight * matrices_[static_cast<std::size_t>(joints_[set][k])];
+        total += weight;
+      }
+    return total > 0 ? sum / total : glm::dmat4(1);
+  }
+
+ private:
+  std::vector<glm::dmat4> matrices_;
+  std::vector<std::vector<float>> joints_, weights_;
+};
+
+/// The inverse transpose, but for a positive factor: the cofactors, with the sign of the determinant. It is
+/// there for singular matrices too.
+glm::dmat3 normal_matrix(const glm::dmat3& m) {
+  const glm::dmat3 cofactors(glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1]));
+  return glm::dot(m[0], cofactors[0]) < 0 ? -cofactors : cofactors;
+}
+
+glm::vec3 unit_or_zero(const glm::dvec3& v) {
+  const double length = glm::length(v);
+  return length > 0 && std::isfinite(length) ? glm::vec3(v / length) : glm::vec3(0);
+}
+
+}  // namespace
+
+bool has_triangles(const tinygltf::Primitive& primitive) {
+  return primitive.mode == TINYGLTF_MODE_TRIANGLES || primitive.mode == TINYGLTF_MODE_TRIANGLE_STRIP ||
+         primitive.mode == TINYGLTF_MODE_TRIANGLE_FAN;
+}
+
+std::vector<float> read_attribute(const GltfAsset& asset, const std::map<std::string, int>& attributes,
+                                  const std::string& semantic, std::size_t n_components,
+                                  std::size_t n_vertices, const std::string& where) {
+  const auto found = attributes.find(semantic);
+  if (found == attributes.end()) return {};
+  const tinygltf::Accessor& accessor = asset.model.accessors[index_of(found->second)];
+  if (n_components_of(accessor) != n_components || accessor.count != n_vertices)
+    throw IoError(asset.path,
+                  fmt::format("{}.{}: expected {} elements of {} components, found {} of {}", where, semantic,
+                              n_vertices, n_components, accessor.count, n_components_of(accessor)));
+  return decode_floats(asset.model, index_of(found->second));
+}
+
+std::vector<glm::uvec3> read_triangles(const GltfAsset& asset, const tinygltf::Primitive& primitive,
+                                       std::size_t n_vertices, const std::string& where) {
+  std::vector<std::uint32_t> indices;
+  if (primitive.indices >= 0) {
+    const tinygltf::Accessor& accessor = asset.model.accessors[index_of(primitive.indices)];
+    const int type = accessor.componentType;
+    if (n_components_of(accessor) != 1 ||
+        (type != TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE && type != TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT &&
+         type != TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT))
+      throw IoError(asset.path,
+                    fmt::format("{}.indices: expected unsigned integers, found componentType {} of {} "
+                                "components",
+                                where, type, n_components_of(accessor)));
+    indices = decode_unsigned(asset.model, index_of(primitive.indices));
+    for (std::size_t i = 0; i < indices.size(); ++i)
+      if (indices[i] >= n_vertices)
+        throw IoError(asset.path, fmt::format("{}.indices[{}]: expected less than {}, found {}", where, i,
+                                              n_vertices, indices[i]));
+  } else {
+    indices.resize(n_vertices);
+    for (std::uint32_t i = 0; i < n_vertices; ++i) indices[i] = i;
+  }
+  std::vector<glm::uvec3> triangles;
+  const std::size_t n = indices.size();
+  if (primitive.mode == TINYGLTF_MODE_TRIANGLES) {
+    triangles.reserve(n / 3);
+    for (std::size_t i = 0; i + 2 < n; i += 3)
+      triangles.emplace_back(indices[i], indices[i + 1], indices[i + 2]);
+  } else if (primitive.mode == TINYGLTF_MODE_TRIANGLE_STRIP) {
+    // Every second triangle of a strip is turned: (1, 3, 2) after (0, 1, 2).
+    for (std::size_t i = 0; i + 2 < n; ++i)
+      triangles.emplace_back(indices[i], indices[i + 1 + i % 2], indices[i + 2 - i % 2]);
+  } else {
+    // A fan is (1, 2, 0), (2, 3, 0), ...
+    for (std::size_t i = 1; i + 1 < n; ++i) triangles.emplace_back(indices[i], indices[i + 1], indices[0]);
+  }
+  return triangles;
+}
+
+WorldVertices read_vertices(const GltfAsset& asset, std::size_t node_index,
+                            const tinygltf::Primitive& primitive, const std::vector<glm::dmat4>& world,
+                            const std::string& where) {
+  const tinygltf::Node& node = asset.model.nodes[node_index];
+  const std::size_t n = asset.model.accessors[index_of(primitive.attributes.at("POSITION"))].count;
+  std::vector<float> positions = read_attribute(asset, primitive.attributes, "POSITION", 3, n, where);
+  std::vector<float> normals = read_attribute(asset, primitive.attributes, "NORMAL", 3, n, where);
+  morph(asset, node, primitive, "POSITION", positions, where);
+  if (!normals.empty()) morph(asset, node, primitive, "NORMAL", normals, where);
+
+  std::optional<Skinning> skinning;
+  if (node.skin >= 0 && primitive.attributes.contains("JOINTS_0"))
+    skinning.emplace(asset, asset.model.skins[index_of(node.skin)], primitive, world, n, where);
+  WorldVertices vertices;
+  vertices.positions.resize(n);
+  vertices.normals.resize(normals.empty() ? 0 : n);
+  std::size_t n_mirrored = 0;
+  glm::dmat4 matrix = world[node_index];
+  glm::dmat3 of_normals = normal_matrix(glm::dmat3(matrix));
+  for (std::size_t i = 0; i < n; ++i) {
+    if (skinning) matrix = skinning->matrix(i), of_normals = normal_matrix(glm::dmat3(matrix));
+    vertices.positions[i] = glm::vec3(matrix * glm::dvec4(vec3_at(positions, i), 1));
+    if (!normals.empty()) vertices.normals[i] = unit_or_zero(of_normals * vec3_at(normals, i));
+    if (glm::determinant(glm::dmat3(matrix)) < 0) ++n_mirrored;
+  }
+  vertices.is_mirrored = 2 * n_mirrored > n;
+  return vertices;
+}
+
+}  // namespace lambake

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "lambake/io/gltf_document.h"
+
+/// A glTF file taken apart, before its meaning is looked at; internal to io.
+namespace lambake {
+
+struct GltfSource {
+  std::string path;
+  bool is_glb = false;
+  GltfJson json;  ///< As the file has it.
+  /// The bytes of each buffer: `byteLength` of them. Fallback buffers of EXT_meshopt_compression, which have
+  /// no bytes of their own, are empty.
+  std::vector<std::vector<unsigned char>> buffers;
+};
+
+/// Reads the container, the JSON and all buffers.
+/// @throws IoError if the container's lengths do not fit the file, the JSON is none or nested deeper than 256
+///         levels, a buffer is missing or shorter than it says, or an extension is required that is unknown.
+GltfSource read_gltf_source(const std::string& path);
+
+/// Bytes of the file that a relative URI names, beside `path`. @throws IoError if it is not a regular file.
+std::vector<unsigned char> read_beside(const std::string& path, const std::string& uri);
+
+/// Extensions whose meaning for Lambert light is taken in, or that have none.
+bool is_known_extension(const std::string& name);
+
+/// The member `key` of an object, or null where there is none or `json` is no object.
+const GltfJson& member(const GltfJson& json, const char* key);
+
+/// A whole number of at least 0 in `json[key]`; `fallback` where there is none.
+/// @throws IoError (path, where) if it is something else.
+std::uint64_t unsigned_member(const GltfSource& source, const GltfJson& json, const char* key,
+                              std::uint64_t fallback, const std::string& where);
+
+}  // namespace lambake
