@@ -47,10 +47,6 @@ int bake_and_write(const BakeCommand& command) {
   for (const std::string& path : command.outputs) {
     const WrittenColors written = write_baked(path, loaded.file, baked, command.output);
     console.tell(written.findings);
-    if (written.clipped_vertices > 0)
-      console.note(fmt::format(
-          "{}: {} of {} vertices are brighter than 1 and were clipped (--exposure scales the light)", path,
-          group_digits(written.clipped_vertices), group_digits(mesh.n_vertices())));
     json["outputs"].push_back({{"path", path},
                                {"bytes", std::filesystem::file_size(path)},
                                {"clipped_vertices", written.clipped_vertices},

@@ -11,6 +11,7 @@
 #include "lambake/core/version.h"
 #include "lambake/io/image_file.h"
 #include "lambake/io/output_file.h"
+#include "lambake/io/output_folder.h"
 #include "lambake/measure/image_error.h"
 #include "lambake/measure/surface_error.h"
 #include "lambake/render/framing.h"
@@ -132,8 +133,8 @@ int check_thresholds(const std::vector<Threshold>& thresholds, const nlohmann::o
   return exit_code;
 }
 
-void write_text(const std::filesystem::path& path, const std::string& text) {
-  OutputFile file(path.string());
+void write_text(const std::string& path, const std::string& text) {
+  OutputFile file(path);
   file.write(text);
   file.commit();
 }
@@ -175,20 +176,17 @@ int compare_and_write(const CompareCommand& command, const std::string& command_
   stopwatch.lap("surface");
 
   console.stage("writing");
-  const std::filesystem::path folder(command.folder);
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error) throw IoError(command.folder, "cannot be made a folder: " + error.message());
-  write_picture(folder / "per_vertex.png", comparison.per_vertex);
-  write_picture(folder / "per_fragment.png", comparison.per_fragment);
-  write_picture(folder / "per_vertex.exr", comparison.per_vertex);
-  write_picture(folder / "per_fragment.exr", comparison.per_fragment);
-  write_picture(folder / "difference.png",
+  OutputFolder folder(command.folder);
+  write_picture(folder.file("per_vertex.png"), comparison.per_vertex);
+  write_picture(folder.file("per_fragment.png"), comparison.per_fragment);
+  write_picture(folder.file("per_vertex.exr"), comparison.per_vertex);
+  write_picture(folder.file("per_fragment.exr"), comparison.per_fragment);
+  write_picture(folder.file("difference.png"),
                 heat_map(comparison.per_vertex, comparison.per_fragment, comparison.visibility, 0));
   const OutputOptions ply_output = {.color = command.output.color == "u16" ? "" : command.output.color};
   for (const auto& [name, options] :
        {std::pair{"lit.glb", command.output}, std::pair{"lit.ply", ply_output}}) {
-    const WrittenColors written = write_baked((folder / name).string(), loaded.file, baked, options);
+    const WrittenColors written = write_baked(folder.file(name), loaded.file, baked, options);
     console.tell(written.findings);
     for (const Finding& finding : written.findings) comparison.findings.push_back(finding);
     comparison.clipped_vertices = std::max(comparison.clipped_vertices, written.clipped_vertices);
@@ -196,8 +194,9 @@ int compare_and_write(const CompareCommand& command, const std::string& command_
   stopwatch.lap("write");
   comparison.seconds = stopwatch.seconds();
   const std::string report = report_json(comparison);
-  write_text(folder / "report.json", report);
-  write_text(folder / "index.html", report_page(comparison));
+  write_text(folder.file("report.json"), report);
+  write_text(folder.file("index.html"), report_page(comparison));
+  folder.commit();
 
   console.clear_bar();
   if (command.scene.json) {
@@ -211,7 +210,7 @@ int compare_and_write(const CompareCommand& command, const std::string& command_
                group_digits(image.pixels));
     fmt::print("  surface   rmse {:.3f}  max {:.1f} (sampled)\n", surface.rmse * 255,
                surface.max_sampled * 255);
-    fmt::print("{}\n", (folder / "index.html").string());
+    fmt::print("{}\n", (std::filesystem::path(command.folder) / "index.html").string());
   }
   return check_thresholds(thresholds, nlohmann::ordered_json::parse(report));
 }

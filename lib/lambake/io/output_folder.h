@@ -1,0 +1,27 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace lambake {
+
+/// Files that appear in a folder together or not at all: written into a folder beside it, moved by commit().
+/// Files that the folder held under other names stay. Without a commit the destructor removes what was
+/// written.
+class OutputFolder {
+ public:
+  /// @throws IoError if nothing can be made beside `path`, or `path` is there and no folder.
+  explicit OutputFolder(const std::string& path);
+  ~OutputFolder();
+  OutputFolder(const OutputFolder&) = delete;
+  OutputFolder& operator=(const OutputFolder&) = delete;
+
+  /// Where to write the file of this name until the commit.
+  std::string file(const std::string& name) const { return (temporary_ / name).string(); }
+  void commit();
+
+ private:
+  std::filesystem::path path_, temporary_;
+};
+
+}  // namespace lambake
