@@ -1,13 +1,21 @@
 # Installs into a scratch prefix, then configures, builds and runs a consumer against what lies there.
-# usage: cmake -DBUILD=<build folder> -DCONSUMER=<source> -DFOLDER=<scratch> -DGENERATOR=... -DCOMPILER=...
+# The consumer is the sample of README.md.
+# usage: cmake -DREADME=... -DBUILD=<build folder> -DCONSUMER=<source> -DFOLDER=<scratch> -DGENERATOR=... -DCOMPILER=...
 #              -DBUILD_TYPE=... -P run.cmake
 file(REMOVE_RECURSE ${FOLDER})
+file(READ ${README} text)
+string(REGEX MATCH "```cpp\n([^`]*)```" sample "${text}")
+file(WRITE ${FOLDER}/readme_sample.inc "${CMAKE_MATCH_1}")
+# A flat square, facing up.
+file(WRITE ${FOLDER}/model.ply "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
+     "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+     "0 0 0\n0 0 1\n1 0 1\n1 0 0\n4 0 1 2 3\n")
 execute_process(COMMAND ${CMAKE_COMMAND} --install ${BUILD} --prefix ${FOLDER}/prefix
                 OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
 execute_process(COMMAND ${CMAKE_COMMAND} -S ${CONSUMER} -B ${FOLDER}/build -G ${GENERATOR}
                         -DCMAKE_CXX_COMPILER=${COMPILER} -DCMAKE_BUILD_TYPE=${BUILD_TYPE}
-                        -DCMAKE_PREFIX_PATH=${FOLDER}/prefix "-DCMAKE_CXX_FLAGS=${FLAGS}"
+                        -DCMAKE_PREFIX_PATH=${FOLDER}/prefix "-DCMAKE_CXX_FLAGS=${FLAGS} -I${FOLDER}"
                 COMMAND_ERROR_IS_FATAL ANY)
 execute_process(COMMAND ${CMAKE_COMMAND} --build ${FOLDER}/build COMMAND_ERROR_IS_FATAL ANY)
-execute_process(COMMAND ${FOLDER}/build/consumer COMMAND_ERROR_IS_FATAL ANY)
+execute_process(COMMAND ${FOLDER}/build/consumer WORKING_DIRECTORY ${FOLDER} COMMAND_ERROR_IS_FATAL ANY)
 execute_process(COMMAND ${FOLDER}/prefix/bin/lambake --version COMMAND_ERROR_IS_FATAL ANY)
