@@ -5,9 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cctype>
-#include <filesystem>
-#include <fstream>
+#include <cmath>
 #include <map>
 #include <numeric>
 
@@ -15,25 +13,11 @@
 #include "lambake/geometry/defects.h"
 #include "lambake/io/canonical_file.h"
 #include "lambake/io/file_extension.h"
+#include "lambake/io/input_file.h"
 #include "lambake/io/openmesh_read.h"
 
 namespace lambake {
 namespace {
-
-std::string read_bytes(const std::string& path) {
-  std::error_code error;
-  if (std::filesystem::is_directory(path, error)) throw IoError(path, "expected a file, found a folder");
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream) throw IoError(path, "cannot be opened");
-  stream.seekg(0, std::ios::end);
-  const std::streamoff size = stream.tellg();
-  stream.seekg(0);
-  std::string bytes(static_cast<std::size_t>(std::max<std::streamoff>(size, 0)), '\0');
-  stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  if (!stream || size < 0) throw IoError(path, "cannot be read");
-  if (bytes.empty()) throw IoError(path, "expected a mesh, found no bytes");
-  return bytes;
-}
 
 CanonicalFile scan(const std::string& path, std::string&& bytes) {
   const std::string extension = file_extension(path);

@@ -1,11 +1,10 @@
 #include "lambake/io/obj_materials.h"
 
 #include <charconv>
-#include <fstream>
-#include <iterator>
 
 #include "lambake/io/file_color.h"
 #include "lambake/io/file_texture.h"
+#include "lambake/io/input_file.h"
 #include "lambake/io/text_cursor.h"
 
 namespace lambake {
@@ -40,11 +39,12 @@ std::string_view skip_map_options(TextCursor& cursor, std::size_t& n_options) {
 
 void ObjMaterials::read_library(const std::string& name) {
   const std::string library = path_beside(path_, name);
-  std::ifstream stream(library, std::ios::binary);
-  std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-  if (!stream.is_open() || stream.bad()) {
+  std::string text;
+  try {
+    text = read_bytes(library);
+  } catch (const IoError& error) {
     add_finding(file_.findings, "missing_material_files", 1,
-                "material file could not be read, its materials are white: " + name);
+                std::string("material file could not be read, its materials are white: ") + error.what());
     return;
   }
   std::size_t n_options = 0, n_transparent = 0;

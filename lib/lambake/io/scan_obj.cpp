@@ -257,8 +257,9 @@ class ObjScan {
 
   void finish() {
     if (n_kept_ == 0)
-      throw IoError(path_, fmt::format("expected faces of three or more corners, found {} vertices and none",
-                                       n_vertices_));
+      throw IoError(
+          path_,
+          fmt::format("expected faces of three or more corners, found none among {} vertices", n_vertices_));
     file_.n_vertices = n_vertices_;
     file_.copied_vertices = splitter_->copies();
     for (const std::uint32_t v : file_.copied_vertices) {

@@ -47,7 +47,7 @@ ScreenVertex Screen::snapped(const ClipPoint& point) const {
   ScreenVertex v;
   v.x = static_cast<std::int32_t>(std::floor(point.x / point.w * subpixels + 0.5));
   v.y = static_cast<std::int32_t>(std::floor(point.y / point.w * subpixels + 0.5));
-  v.nearness = static_cast<float>(view_.is_perspective() ? 1 / point.depth : -point.depth);
+  v.nearness = static_cast<float>(view_.is_perspective ? 1 / point.depth : -point.depth);
   return v;
 }
 

@@ -2,11 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
+#include <algorithm>
+#include <array>
 
 #include "lambake/core/error.h"
 #include "lambake/core/parallel.h"
-#include "lambake/shading/lambert.h"
+#include "lambake/render/interpolate.h"
+#include "lambake/shading/light_kernel.h"
 #include "lambake/shading/texture.h"
 
 namespace lambake {
@@ -14,69 +16,76 @@ namespace {
 
 constexpr std::size_t pixel_block = 8192;
 
-LinearRgb to_rgb(const glm::vec3& v) {
+LinearRgb to_rgb(const glm::vec4& v) {
   return {v.r, v.g, v.b};
 }
 
-/// A place on a triangle, where per-vertex values are interpolated.
-struct Place {
-  const glm::uvec3& corners;
-  glm::vec2 weights;  ///< Of the corners 1 and 2.
-
-  /// Written with differences, so that equal values at the corners give exactly that value.
-  template <typename T>
-  T of(const std::vector<T>& values) const {
-    const T &v0 = values[corners[0]], &v1 = values[corners[1]], &v2 = values[corners[2]];
-    return v0 + weights.x * (v1 - v0) + weights.y * (v2 - v0);
-  }
+/// Covered pixels that are shaded together, and what their colours are made from.
+struct ShadingBlock {
+  PlaceBlock places;
+  std::array<std::uint32_t, PlaceBlock::capacity> pixels{};
+  std::array<LinearRgb, PlaceBlock::capacity> vertex_parts{};  ///< Vertex colour ⊗ light.
+  std::array<LinearRgb, PlaceBlock::capacity> base_colors{};   ///< Interpolated vertex colours, if any.
+  std::array<glm::vec3, PlaceBlock::capacity> positions{}, normals{};
 };
 
-/// The unit shading normal n/|n| of N(b) = Σ b_i n_i; (0,0,0) where that vanishes. A normal that the corners
-/// share is taken as it is, so that a flat face is lit exactly as its vertices are.
-glm::vec3 shading_normal(const Mesh& mesh, const Place& at) {
-  const glm::vec3& n0 = mesh.normals[at.corners[0]];
-  if (n0 == mesh.normals[at.corners[1]] && n0 == mesh.normals[at.corners[2]]) return n0;
-  const glm::vec3 n = at.of(mesh.normals);
-  const float length = glm::length(n);
-  return length > 0 ? n / length : glm::vec3(0);
-}
-
-LinearRgb sampled(const Scene& scene, const Mesh& mesh, const Place& at, std::uint32_t texture_index) {
+LinearRgb sampled(const Scene& scene, const Mesh& mesh, const PlaceBlock& places, std::size_t i,
+                  std::uint32_t texture_index) {
   const Texture& texture = scene.textures[texture_index];
   const std::vector<glm::vec2>& texcoords = mesh.texcoords[static_cast<std::size_t>(texture.texcoord_set)];
   if (texcoords.empty()) return {1, 1, 1};
-  return to_rgb(glm::vec3(sample_texture(scene, texture, at.of(texcoords))));
+  const glm::uvec3& t = mesh.triangles[places.triangles[i]];
+  const glm::vec2 &uv0 = texcoords[t[0]], &uv1 = texcoords[t[1]], &uv2 = texcoords[t[2]];
+  const glm::vec2 uv = uv0 + places.weights1[i] * (uv1 - uv0) + places.weights2[i] * (uv2 - uv0);
+  return to_rgb(sample_texture(scene, texture, uv));
 }
 
 /// Vertex part (vertex colour ⊗ light) times the material's base colour and texture, plus its emission. Both
 /// shadings end here, so that they differ in the vertex part alone.
-LinearRgb outgoing(const Scene& scene, const Mesh& mesh, const Place& at, const Material& material,
+LinearRgb outgoing(const Scene& scene, const Mesh& mesh, const PlaceBlock& places, std::size_t i,
                    const LinearRgb& vertex_part) {
+  const Material& material = scene.materials[mesh.material_of(places.triangles[i])];
   LinearRgb albedo = material.base_color;
   if (material.base_color_texture != no_texture)
-    albedo = albedo * sampled(scene, mesh, at, material.base_color_texture);
+    albedo = albedo * sampled(scene, mesh, places, i, material.base_color_texture);
   const LinearRgb reflected = albedo * vertex_part;
   if (material.is_unlit || material.emission == LinearRgb{}) return reflected;
   LinearRgb emission = material.emission;
   if (material.emission_texture != no_texture)
-    emission = emission * sampled(scene, mesh, at, material.emission_texture);
+    emission = emission * sampled(scene, mesh, places, i, material.emission_texture);
   return emission + reflected;
 }
 
-/// A picture whose covered pixels are `vertex_part(place, material)` brought through outgoing().
-template <typename VertexPart>
+/// A picture whose covered pixels are brought through outgoing(); `find_vertex_parts(block)` sets
+/// block.vertex_parts.
+template <typename FindVertexParts>
 Picture shade(const Scene& scene, const Mesh& mesh, const Visibility& visibility,
-              const VertexPart& vertex_part) {
+              const FindVertexParts& find_vertex_parts) {
   Picture picture{visibility.width, visibility.height, {}};
-  picture.pixels.assign(visibility.triangles.size(), background);
+  picture.pixels.resize(visibility.triangles.size());
   parallel_blocks(picture.n_pixels(), pixel_block, [&](std::size_t begin, std::size_t end) {
+    ShadingBlock block;
+    PlaceBlock& places = block.places;
+    const auto flush = [&] {
+      if (places.n == 0) return;
+      find_corners(mesh, places);
+      find_vertex_parts(block);
+      for (std::size_t i = 0; i < places.n; ++i)
+        picture.pixels[block.pixels[i]] = outgoing(scene, mesh, places, i, block.vertex_parts[i]);
+      places.n = 0;
+    };
     for (std::size_t i = begin; i < end; ++i) {
-      const std::uint32_t triangle = visibility.triangles[i];
-      if (triangle == no_triangle) continue;
-      const Place at{mesh.triangles[triangle], visibility.barycentrics[i]};
-      const Material& material = scene.materials[mesh.material_of(triangle)];
-      picture.pixels[i] = outgoing(scene, mesh, at, material, vertex_part(at, material));
+      if (visibility.triangles[i] == no_triangle) {
+        picture.pixels[i] = background;
+        continue;
+      }
+      places.triangles[places.n] = visibility.triangles[i];
+      places.weights1[places.n] = visibility.barycentrics[i].x;
+      places.weights2[places.n] = visibility.barycentrics[i].y;
+      block.pixels[places.n] = static_cast<std::uint32_t>(i);
+      if (++places.n == PlaceBlock::capacity) flush();
     }
+    flush();
   });
   return picture;
 }
@@ -88,16 +97,29 @@ Picture shade_per_fragment(const Scene& scene, const Visibility& visibility) {
   if (mesh.normals.size() != mesh.n_vertices())
     throw InvalidScene(
         fmt::format("render: expected {} vertex normals, found {}", mesh.n_vertices(), mesh.normals.size()));
-  return shade(scene, mesh, visibility, [&](const Place& at, const Material& material) {
-    const LinearRgb base = mesh.colors.empty() ? LinearRgb{1, 1, 1} : at.of(mesh.colors);
-    if (material.is_unlit) return base;
-    return base * to_rgb(irradiance<float>(scene.lights, at.of(mesh.positions), shading_normal(mesh, at)));
+  const PackedLights lights = pack_lights(scene.lights);
+  const bool has_unlit = std::any_of(scene.materials.begin(), scene.materials.end(),
+                                     [](const Material& material) { return material.is_unlit; });
+  return shade(scene, mesh, visibility, [&](ShadingBlock& block) {
+    const PlaceBlock& places = block.places;
+    const std::size_t n = places.n;
+    interpolate_normals(mesh.normals, places, block.normals);
+    if (lights.needs_positions) interpolate(mesh.positions, places, block.positions);
+    irradiance(lights, std::span(block.positions).first(n), std::span(block.normals).first(n),
+               std::span(block.vertex_parts).first(n));
+    if (mesh.colors.empty() && !has_unlit) return;
+    block.base_colors.fill({1, 1, 1});
+    if (!mesh.colors.empty()) interpolate(mesh.colors, places, block.base_colors);
+    for (std::size_t i = 0; i < n; ++i) {
+      const bool is_unlit = scene.materials[mesh.material_of(places.triangles[i])].is_unlit;
+      block.vertex_parts[i] = is_unlit ? block.base_colors[i] : block.base_colors[i] * block.vertex_parts[i];
+    }
   });
 }
 
 Picture shade_per_vertex(const Scene& scene, const BakedColors& baked, const Visibility& visibility) {
   return shade(scene, mesh_of(scene, baked), visibility,
-               [&](const Place& at, const Material&) { return at.of(baked.colors); });
+               [&](ShadingBlock& block) { interpolate(baked.colors, block.places, block.vertex_parts); });
 }
 
 std::size_t count_seen_from_behind(const Scene& scene, const Visibility& visibility, const Camera& camera) {

@@ -21,45 +21,41 @@ struct PixelRay {
 };
 
 /// How a camera maps the world to a picture of W×H pixels, in double: positions far from the origin keep
-/// their place on the screen.
-class ViewTransform {
- public:
+/// their place on the screen. The vector forms (screen.cpp, pixel_hits.cpp) do the same operations.
+struct ViewTransform {
+  bool is_perspective;
+  double half_width, half_height;  ///< Of the picture, in pixels.
+  double pixels_per_unit;          ///< At depth 1 for perspective.
+  glm::dvec3 eye, right, up, forward;
+  glm::dmat3 camera_from_world;  ///< Of directions.
+
   ViewTransform(const Camera& camera, std::uint32_t width, std::uint32_t height)
-      : is_perspective_(camera.projection == Projection::perspective),
-        half_width_(0.5 * width),
-        half_height_(0.5 * height),
-        world_from_camera_(camera.world_from_camera) {
-    const double half_view =
-        is_perspective_ ? std::tan(0.5 * double(camera.vertical_fov_rad)) : double(camera.half_height);
-    pixels_per_unit_ = half_height_ / half_view;
-    eye_ = glm::dvec3(world_from_camera_[3]);
-    camera_from_world_ = glm::inverse(glm::dmat3(world_from_camera_));
+      : is_perspective(camera.projection == Projection::perspective),
+        half_width(0.5 * width),
+        half_height(0.5 * height) {
+    const glm::dmat4 world_from_camera(camera.world_from_camera);
+    pixels_per_unit = half_height / (is_perspective ? std::tan(0.5 * double(camera.vertical_fov_rad))
+                                                    : double(camera.half_height));
+    right = glm::dvec3(world_from_camera[0]);
+    up = glm::dvec3(world_from_camera[1]);
+    forward = -glm::dvec3(world_from_camera[2]);
+    eye = glm::dvec3(world_from_camera[3]);
+    camera_from_world = glm::inverse(glm::dmat3(world_from_camera));
   }
 
-  bool is_perspective() const { return is_perspective_; }
-
   ClipPoint clip_point(const glm::vec3& world) const {
-    const glm::dvec3 p = camera_from_world_ * (glm::dvec3(world) - eye_);
+    const glm::dvec3 p = camera_from_world * (glm::dvec3(world) - eye);
     const double depth = -p.z;
-    const double w = is_perspective_ ? depth : 1.0;
-    return {pixels_per_unit_ * p.x + half_width_ * w, half_height_ * w - pixels_per_unit_ * p.y, w, depth};
+    const double w = is_perspective ? depth : 1.0;
+    return {pixels_per_unit * p.x + half_width * w, half_height * w - pixels_per_unit * p.y, w, depth};
   }
 
   PixelRay pixel_ray(std::uint32_t x, std::uint32_t y) const {
-    const double right = (x + 0.5 - half_width_) / pixels_per_unit_;
-    const double up = (half_height_ - (y + 0.5)) / pixels_per_unit_;
-    const glm::dvec3 forward = -glm::dvec3(world_from_camera_[2]);
-    const glm::dvec3 across =
-        right * glm::dvec3(world_from_camera_[0]) + up * glm::dvec3(world_from_camera_[1]);
-    return is_perspective_ ? PixelRay{eye_, across + forward} : PixelRay{eye_ + across, forward};
+    const double to_right = (x + 0.5 - half_width) / pixels_per_unit;
+    const double upwards = (half_height - (y + 0.5)) / pixels_per_unit;
+    const glm::dvec3 across = to_right * right + upwards * up;
+    return is_perspective ? PixelRay{eye, across + forward} : PixelRay{eye + across, forward};
   }
-
- private:
-  bool is_perspective_;
-  double half_width_, half_height_, pixels_per_unit_ = 1;
-  glm::dmat4 world_from_camera_;
-  glm::dvec3 eye_{0};
-  glm::dmat3 camera_from_world_{1};
 };
 
 }  // namespace lambake

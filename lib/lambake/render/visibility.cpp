@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "lambake/core/error.h"
 #include "lambake/core/parallel.h"
+#include "lambake/render/pixel_hits.h"
+#include "lambake/render/raster_setup.h"
 #include "lambake/render/raster_tile.h"
-#include "lambake/render/ray_hit.h"
 #include "lambake/render/screen.h"
 #include "lambake/shading/texture.h"
 
@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::size_t vertex_block = 8192;
 constexpr std::size_t triangle_block = 16384;
-constexpr std::uint32_t is_piece = 0x80000000u;  // of a bin's entry: the rest counts the block's pieces
+constexpr std::size_t max_triangles = std::size_t{1} << 29;  // 3·index fits 31 bits
 
 /// The triangles of one block that may touch each tile.
 struct Bins {
@@ -47,14 +47,12 @@ struct TileRange {
 
 TileRange tiles_touched(const ScreenVertex& a, const ScreenVertex& b, const ScreenVertex& c,
                         const TileGrid& grid) {
-  const auto pixel_from = [](std::int32_t s) { return (s + subpixels / 2 - 1) >> subpixel_bits; };
-  const auto pixel_to = [](std::int32_t s) { return (s - subpixels / 2) >> subpixel_bits; };
-  const std::int32_t x_begin = std::max(0, pixel_from(std::min({a.x, b.x, c.x})));
-  const std::int32_t y_begin = std::max(0, pixel_from(std::min({a.y, b.y, c.y})));
+  const std::int32_t x_begin = std::max(0, first_pixel(std::min({a.x, b.x, c.x})));
+  const std::int32_t y_begin = std::max(0, first_pixel(std::min({a.y, b.y, c.y})));
   const std::int32_t x_last =
-      std::min(static_cast<std::int32_t>(grid.width) - 1, pixel_to(std::max({a.x, b.x, c.x})));
+      std::min(static_cast<std::int32_t>(grid.width) - 1, last_pixel(std::max({a.x, b.x, c.x})));
   const std::int32_t y_last =
-      std::min(static_cast<std::int32_t>(grid.height) - 1, pixel_to(std::max({a.y, b.y, c.y})));
+      std::min(static_cast<std::int32_t>(grid.height) - 1, last_pixel(std::max({a.y, b.y, c.y})));
   if (x_begin > x_last || y_begin > y_last) return {};
   return {x_begin / tile_side, y_begin / tile_side, x_last / tile_side, y_last / tile_side};
 }
@@ -95,6 +93,8 @@ class VisibilityPass {
  private:
   Bins bin_triangles(std::size_t begin, std::size_t end) const;
   std::size_t draw_tile(std::size_t tile_index) const;
+  void draw_with_masks(const ScreenTriangles& screen, std::span<const std::uint32_t> entries,
+                       Tile& tile) const;
   bool is_opaque_at(std::uint32_t triangle, std::uint32_t x, std::uint32_t y) const;
   RayHit hit(std::uint32_t triangle, const PixelRay& ray) const {
     const glm::uvec3& t = mesh_.triangles[triangle];
@@ -146,7 +146,7 @@ Bins VisibilityPass::bin_triangles(std::size_t begin, std::size_t end) const {
     bins.piece_triangles.resize(bins.pieces.size(), triangle);
     for (std::size_t i = first; i < bins.pieces.size(); ++i) {
       const auto& v = bins.pieces[i].v;
-      place(v[0], v[1], v[2], is_piece | static_cast<std::uint32_t>(i), is_double_sided);
+      place(v[0], v[1], v[2], ScreenTriangles::is_piece | static_cast<std::uint32_t>(i), is_double_sided);
     }
   }
 
@@ -171,42 +171,45 @@ std::size_t VisibilityPass::draw_tile(std::size_t tile_index) const {
   tile.height = std::min(tile_side, static_cast<int>(grid_.height) - tile.y);
   tile.clear();
 
-  const PixelTest everywhere;
-  const PixelTest where_opaque = [this](std::uint32_t triangle, std::uint32_t x, std::uint32_t y) {
-    return is_opaque_at(triangle, x, y);
-  };
-  for (const Bins& bins : bins_)
-    for (std::uint32_t i = bins.begin[tile_index]; i < bins.begin[tile_index + 1]; ++i) {
-      const std::uint32_t entry = bins.entries[i];
-      const bool is_clipped = (entry & is_piece) != 0;
-      const std::uint32_t triangle = is_clipped ? bins.piece_triangles[entry & ~is_piece] : entry;
-      const bool has_mask =
-          has_masks_ && scene_.materials[mesh_.material_of(triangle)].alpha_mode == AlphaMode::mask;
-      const PixelTest& is_drawn = has_mask ? where_opaque : everywhere;
-      if (is_clipped) {
-        const auto& v = bins.pieces[entry & ~is_piece].v;
-        raster_triangle(v[0], v[1], v[2], triangle, is_drawn, tile);
-      } else {
-        const glm::uvec3& t = mesh_.triangles[triangle];
-        raster_triangle(vertices_[t[0]], vertices_[t[1]], vertices_[t[2]], triangle, is_drawn, tile);
-      }
+  for (const Bins& bins : bins_) {
+    const ScreenTriangles screen{vertices_, mesh_.triangles, bins.pieces, bins.piece_triangles};
+    const auto entries =
+        std::span(bins.entries)
+            .subspan(bins.begin[tile_index], bins.begin[tile_index + 1] - bins.begin[tile_index]);
+    if (has_masks_) {
+      draw_with_masks(screen, entries, tile);
+    } else {
+      raster_triangles(screen, entries, tile);
     }
+  }
 
   std::size_t n_covered = 0;
-  for (int j = 0; j < tile.height; ++j)
-    for (int i = 0; i < tile.width; ++i) {
-      const std::uint32_t triangle = tile.triangles[static_cast<std::size_t>(j * tile_side + i)];
-      if (triangle == no_triangle) continue;
-      const std::uint32_t x = static_cast<std::uint32_t>(tile.x + i),
-                          y = static_cast<std::uint32_t>(tile.y + j);
-      const std::size_t pixel = std::size_t{y} * out_.width + x;
-      const RayHit at = hit(triangle, screen_.view().pixel_ray(x, y));
-      out_.triangles[pixel] = triangle;
-      out_.barycentrics[pixel] = glm::vec2(at.barycentrics);
-      out_.depths[pixel] = static_cast<float>(at.depth);
-      ++n_covered;
-    }
+  const std::size_t width = static_cast<std::size_t>(tile.width);
+  for (int j = 0; j < tile.height; ++j) {
+    const std::uint32_t y = static_cast<std::uint32_t>(tile.y + j);
+    const std::size_t pixel = std::size_t{y} * out_.width + static_cast<std::size_t>(tile.x);
+    const std::uint32_t* const row = tile.triangles.data() + static_cast<std::size_t>(j * tile_side);
+    std::copy_n(row, width, out_.triangles.begin() + static_cast<std::ptrdiff_t>(pixel));
+    hit_row(mesh_, screen_.view(), static_cast<std::uint32_t>(tile.x), y, row, width,
+            out_.barycentrics.data() + pixel, out_.depths.data() + pixel);
+    n_covered += width - static_cast<std::size_t>(std::count(row, row + width, no_triangle));
+  }
   return n_covered;
+}
+
+void VisibilityPass::draw_with_masks(const ScreenTriangles& screen, std::span<const std::uint32_t> entries,
+                                     Tile& tile) const {
+  const PixelTest is_opaque = [this](std::uint32_t triangle, std::uint32_t x, std::uint32_t y) {
+    return is_opaque_at(triangle, x, y);
+  };
+  for (const std::uint32_t& entry : entries) {
+    const std::uint32_t material = mesh_.material_of(screen.triangle_of(entry));
+    if (scene_.materials[material].alpha_mode == AlphaMode::mask) {
+      raster_tested_triangle(screen, entry, is_opaque, tile);
+    } else {
+      raster_triangles(screen, std::span(&entry, 1), tile);
+    }
+  }
 }
 
 bool VisibilityPass::is_opaque_at(std::uint32_t triangle, std::uint32_t x, std::uint32_t y) const {
@@ -250,17 +253,17 @@ Visibility find_visibility(const Scene& scene, const Mesh& mesh, const Camera& c
   if (width == 0 || height == 0 || width > max_picture_side || height > max_picture_side)
     throw InvalidOption(
         fmt::format("picture: expected 1 to {} pixels a side, found {}x{}", max_picture_side, width, height));
-  if (mesh.n_triangles() >= is_piece)
+  if (mesh.n_triangles() >= max_triangles)
     throw InvalidScene(
-        fmt::format("render: expected less than 2^31 triangles, found {}", mesh.n_triangles()));
+        fmt::format("render: expected less than {} triangles, found {}", max_triangles, mesh.n_triangles()));
   check_camera(camera);
   Visibility out;
   out.width = width;
   out.height = height;
   const std::size_t n = std::size_t{width} * height;
-  out.triangles.assign(n, no_triangle);
-  out.barycentrics.assign(n, glm::vec2(0));
-  out.depths.assign(n, std::numeric_limits<float>::infinity());
+  out.triangles.resize(n);
+  out.barycentrics.resize(n);
+  out.depths.resize(n);
   VisibilityPass(scene, mesh, camera, out).run();
   return out;
 }
