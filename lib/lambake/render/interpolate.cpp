@@ -1,5 +1,7 @@
 #include "lambake/render/interpolate.h"
 
+#include <algorithm>
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "lambake/render/interpolate.cpp"
 #include <hwy/foreach_target.h>  // compiles the part below once per vector path
@@ -10,8 +12,7 @@ namespace lambake::HWY_NAMESPACE {
 namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// At most 16 lanes, so that a block is a whole number of vectors.
-using Floats = hn::CappedTag<float, 16>;
+using Floats = hn::CappedTag<float, PlaceBlock::group>;
 using Ints = hn::Rebind<std::int32_t, Floats>;
 using V = hn::Vec<Floats>;
 
@@ -20,41 +21,111 @@ struct V3 {
   V x, y, z;
 };
 
-HWY_INLINE V3 gather(const float* values, const std::int32_t* vertices) {
+/// Values at the corners of the triangles in the lanes.
+struct CornerValues {
+  V3 v[3];
+};
+
+HWY_INLINE CornerValues gather_corners(const float* values, const PlaceBlock& block, std::size_t i) {
   const Floats f;
   const Ints i32;
-  const auto at = hn::Mul(hn::Load(i32, vertices), hn::Set(i32, 3));
-  return {hn::GatherIndex(f, values, at), hn::GatherIndex(f, values + 1, at),
-          hn::GatherIndex(f, values + 2, at)};
+  CornerValues corners;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const auto at = hn::Mul(hn::Load(i32, block.corners[c].data() + i), hn::Set(i32, 3));
+    corners.v[c] = {hn::GatherIndex(f, values, at), hn::GatherIndex(f, values + 1, at),
+                    hn::GatherIndex(f, values + 2, at)};
+  }
+  return corners;
+}
+
+/// The same where neighbours share triangles: each is loaded once and spread over its lanes.
+HWY_INLINE CornerValues spread_corners(const float* values, const PlaceBlock& block, std::size_t i) {
+  const Floats f;
+  const Ints i32;
+  const V zero = hn::Zero(f);
+  CornerValues corners{{{zero, zero, zero}, {zero, zero, zero}, {zero, zero, zero}}};
+  const auto triangle = hn::Load(i32, reinterpret_cast<const std::int32_t*>(block.triangles.data()) + i);
+  for (std::size_t lane = 0; lane < hn::Lanes(f);) {
+    const std::uint32_t t = block.triangles[i + lane];
+    const auto mask = hn::RebindMask(f, hn::Eq(triangle, hn::Set(i32, static_cast<std::int32_t>(t))));
+    for (std::size_t c = 0; c < 3; ++c) {
+      const float* const value = values + 3 * static_cast<std::size_t>(block.corners[c][i + lane]);
+      V3& v = corners.v[c];
+      v.x = hn::IfThenElse(mask, hn::Set(f, value[0]), v.x);
+      v.y = hn::IfThenElse(mask, hn::Set(f, value[1]), v.y);
+      v.z = hn::IfThenElse(mask, hn::Set(f, value[2]), v.z);
+    }
+    do ++lane;
+    while (lane < hn::Lanes(f) && block.triangles[i + lane] == t);
+  }
+  return corners;
+}
+
+HWY_INLINE CornerValues load_corners(const float* values, const PlaceBlock& block, std::size_t i) {
+  return block.has_few_triangles[i / PlaceBlock::group] ? spread_corners(values, block, i)
+                                                        : gather_corners(values, block, i);
 }
 
 HWY_INLINE V mix(V v0, V v1, V v2, V b1, V b2) {
   return hn::Add(hn::Add(v0, hn::Mul(b1, hn::Sub(v1, v0))), hn::Mul(b2, hn::Sub(v2, v0)));
 }
 
-HWY_INLINE V3 mix(const V3& v0, const V3& v1, const V3& v2, V b1, V b2) {
+HWY_INLINE V3 mix(const CornerValues& at, const PlaceBlock& block, std::size_t i) {
+  const Floats f;
+  const V b1 = hn::Load(f, block.weights1.data() + i), b2 = hn::Load(f, block.weights2.data() + i);
+  const V3 &v0 = at.v[0], &v1 = at.v[1], &v2 = at.v[2];
   return {mix(v0.x, v1.x, v2.x, b1, b2), mix(v0.y, v1.y, v2.y, b1, b2), mix(v0.z, v1.z, v2.z, b1, b2)};
 }
 
-void corners_of_block(const Mesh& mesh, PlaceBlock& block) {
+/// Loads the 16 places at `triangles` and `barycentrics`.
+void load_group(const Mesh& mesh, const std::uint32_t* triangles, const glm::vec2* barycentrics,
+                std::size_t group, PlaceBlock& block) {
+  const Floats f;
   const Ints i32;
   const std::int32_t* const corners = reinterpret_cast<const std::int32_t*>(mesh.triangles.data());
-  const std::int32_t* const triangles = reinterpret_cast<const std::int32_t*>(block.triangles.data());
-  for (std::size_t i = 0; i < block.n; i += hn::Lanes(i32)) {
-    const auto first = hn::Mul(hn::Load(i32, triangles + i), hn::Set(i32, 3));
+  std::int32_t* const block_triangles = reinterpret_cast<std::int32_t*>(block.triangles.data());
+  std::size_t n_changes = 0;
+  for (std::size_t lane = 1; lane < PlaceBlock::group; ++lane)
+    n_changes += triangles[lane] != triangles[lane - 1];
+  block.has_few_triangles[group] = n_changes < PlaceBlock::group / 3;
+  for (std::size_t lane = 0; lane < PlaceBlock::group; lane += hn::Lanes(f)) {
+    const std::size_t i = group * PlaceBlock::group + lane;
+    const auto seen = hn::LoadU(i32, reinterpret_cast<const std::int32_t*>(triangles) + lane);
+    const auto triangle = hn::IfThenElseZero(hn::Gt(seen, hn::Set(i32, -1)), seen);  // no_triangle is −1
+    hn::Store(triangle, i32, block_triangles + i);
+    V b1, b2;
+    hn::LoadInterleaved2(f, &barycentrics[lane].x, b1, b2);
+    hn::Store(b1, f, block.weights1.data() + i);
+    hn::Store(b2, f, block.weights2.data() + i);
+    const auto first = hn::Mul(triangle, hn::Set(i32, 3));
     for (std::size_t c = 0; c < 3; ++c)
       hn::Store(hn::GatherIndex(i32, corners + c, first), i32, block.corners[c].data() + i);
   }
 }
 
+void load_groups(const Mesh& mesh, const Visibility& visibility, PlaceBlock& block) {
+  const std::size_t n_pixels = visibility.triangles.size();
+  for (std::size_t g = 0; g < block.n_groups; ++g) {
+    const std::size_t pixel = block.first_pixels[g];
+    const std::uint32_t* const triangles = visibility.triangles.data() + pixel;
+    const glm::vec2* const barycentrics = visibility.barycentrics.data() + pixel;
+    if (pixel + PlaceBlock::group <= n_pixels) {
+      load_group(mesh, triangles, barycentrics, g, block);
+      continue;
+    }
+    std::array<std::uint32_t, PlaceBlock::group> last_triangles;
+    std::array<glm::vec2, PlaceBlock::group> last_barycentrics{};
+    last_triangles.fill(no_triangle);
+    std::copy_n(triangles, n_pixels - pixel, last_triangles.begin());
+    std::copy_n(barycentrics, n_pixels - pixel, last_barycentrics.begin());
+    load_group(mesh, last_triangles.data(), last_barycentrics.data(), g, block);
+  }
+}
+
 void interpolate_block(const float* values, const PlaceBlock& block, float* out) {
   const Floats f;
-  for (std::size_t i = 0; i < block.n; i += hn::Lanes(f)) {
-    const V3 v0 = gather(values, block.corners[0].data() + i),
-             v1 = gather(values, block.corners[1].data() + i),
-             v2 = gather(values, block.corners[2].data() + i);
-    const V3 v =
-        mix(v0, v1, v2, hn::Load(f, block.weights1.data() + i), hn::Load(f, block.weights2.data() + i));
+  for (std::size_t i = 0; i < block.n_places(); i += hn::Lanes(f)) {
+    const V3 v = mix(load_corners(values, block, i), block, i);
     hn::StoreInterleaved3(v.x, v.y, v.z, f, out + 3 * i);
   }
 }
@@ -66,15 +137,13 @@ HWY_INLINE auto are_equal(const V3& a, const V3& b) {
 void normals_of_block(const float* normals, const PlaceBlock& block, float* out) {
   const Floats f;
   const V zero = hn::Zero(f), one = hn::Set(f, 1.0f);
-  for (std::size_t i = 0; i < block.n; i += hn::Lanes(f)) {
-    const V3 n0 = gather(normals, block.corners[0].data() + i),
-             n1 = gather(normals, block.corners[1].data() + i),
-             n2 = gather(normals, block.corners[2].data() + i);
-    const V3 n =
-        mix(n0, n1, n2, hn::Load(f, block.weights1.data() + i), hn::Load(f, block.weights2.data() + i));
+  for (std::size_t i = 0; i < block.n_places(); i += hn::Lanes(f)) {
+    const CornerValues corners = load_corners(normals, block, i);
+    const V3& n0 = corners.v[0];
+    const V3 n = mix(corners, block, i);
     const V length = hn::Sqrt(hn::Add(hn::Add(hn::Mul(n.x, n.x), hn::Mul(n.y, n.y)), hn::Mul(n.z, n.z)));
     const V inverse = hn::IfThenElseZero(hn::Gt(length, zero), hn::Div(one, length));
-    const auto is_flat = hn::And(are_equal(n0, n1), are_equal(n0, n2));
+    const auto is_flat = hn::And(are_equal(n0, corners.v[1]), are_equal(n0, corners.v[2]));
     hn::StoreInterleaved3(hn::IfThenElse(is_flat, n0.x, hn::Mul(n.x, inverse)),
                           hn::IfThenElse(is_flat, n0.y, hn::Mul(n.y, inverse)),
                           hn::IfThenElse(is_flat, n0.z, hn::Mul(n.z, inverse)), f, out + 3 * i);
@@ -91,13 +160,13 @@ namespace lambake {
 static_assert(sizeof(glm::vec3) == 3 * sizeof(float) && sizeof(LinearRgb) == 3 * sizeof(float));
 
 namespace {
-HWY_EXPORT(corners_of_block);
+HWY_EXPORT(load_groups);
 HWY_EXPORT(interpolate_block);
 HWY_EXPORT(normals_of_block);
 }  // namespace
 
-void find_corners(const Mesh& mesh, PlaceBlock& block) {
-  HWY_DYNAMIC_DISPATCH(corners_of_block)(mesh, block);
+void load_places(const Mesh& mesh, const Visibility& visibility, PlaceBlock& block) {
+  HWY_DYNAMIC_DISPATCH(load_groups)(mesh, visibility, block);
 }
 
 void interpolate(std::span<const glm::vec3> values, const PlaceBlock& block, std::span<glm::vec3> out) {

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "lambake/core/color.h"
+#include "lambake/render/visibility.h"
 #include "lambake/scene/mesh.h"
 
 /// Per-vertex values at places on triangles, many at once in vectors; internal to the folder.
@@ -15,19 +16,28 @@
 /// bits on every vector path.
 namespace lambake {
 
-/// Up to `capacity` places. Entries from n on must be sound too; they are computed along.
+/// Up to 16 groups of 16 neighbouring pixels: vectors load them as they lie in memory, and neighbours mostly
+/// share a triangle, whose corners are then loaded once.
 struct PlaceBlock {
-  static constexpr std::size_t capacity = 256;
-  std::size_t n = 0;
-  alignas(64) std::array<std::uint32_t, capacity> triangles{};
-  alignas(64) std::array<float, capacity> weights1{}, weights2{};  ///< Barycentrics of corners 1 and 2.
-  alignas(64) std::array<std::array<std::int32_t, capacity>, 3> corners{};  ///< Written by find_corners().
+  static constexpr std::size_t group = 16, max_groups = 16, capacity = group * max_groups;
+
+  std::size_t n_groups = 0;
+  std::array<std::size_t, max_groups> first_pixels;  ///< Of each group.
+
+  // Of each place, written by load_places(). A pixel without a triangle (or past the picture's end) stands
+  // for corner 0 of triangle 0.
+  alignas(64) std::array<std::uint32_t, capacity> triangles;
+  alignas(64) std::array<float, capacity> weights1, weights2;  ///< Barycentrics of the corners 1 and 2.
+  alignas(64) std::array<std::array<std::int32_t, capacity>, 3> corners;
+  std::array<bool, max_groups> has_few_triangles;  ///< Of each group.
+
+  std::size_t n_places() const { return n_groups * group; }
 };
 
-/// Looks up the vertices of the block's triangles. The mesh has at least one triangle.
-void find_corners(const Mesh& mesh, PlaceBlock& block);
+/// Fills the block for the groups that begin at its `first_pixels`. The mesh has at least one triangle.
+void load_places(const Mesh& mesh, const Visibility& visibility, PlaceBlock& block);
 
-/// @param values  V. @param out  at least `capacity`.
+/// @param values  V. @param out  n_places() or more.
 void interpolate(std::span<const glm::vec3> values, const PlaceBlock& block, std::span<glm::vec3> out);
 void interpolate(std::span<const LinearRgb> values, const PlaceBlock& block, std::span<LinearRgb> out);
 

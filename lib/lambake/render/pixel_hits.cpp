@@ -1,7 +1,6 @@
 #include "lambake/render/pixel_hits.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
@@ -17,7 +16,7 @@ namespace lambake::HWY_NAMESPACE {
 namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 
-using Doubles = hn::ScalableTag<double>;
+using Doubles = hn::CappedTag<double, 16>;
 using Floats = hn::Rebind<float, Doubles>;
 using Ints = hn::Rebind<std::int32_t, Doubles>;
 using V = hn::Vec<Doubles>;
@@ -55,13 +54,51 @@ HWY_INLINE V3 cross(const V3& a, const V3& b) {
           hn::Sub(hn::Mul(a.x, b.y), hn::Mul(b.x, a.y))};
 }
 
-HWY_INLINE V3 gather_points(const glm::vec3* points, Indices index) {
+/// Corners of the triangles in the lanes, in single precision as they are stored.
+struct Corners {
+  hn::Vec<Floats> p[3][3];  ///< Corner, axis.
+
+  V3 point(int corner) const {
+    const Doubles d;
+    return {hn::PromoteTo(d, p[corner][0]), hn::PromoteTo(d, p[corner][1]), hn::PromoteTo(d, p[corner][2])};
+  }
+};
+
+HWY_INLINE Corners gather_corners(const Mesh& mesh, Indices triangle) {
   const Floats f;
-  const Doubles d;
-  const float* const base = &points->x;
-  const Indices at = hn::Mul(index, hn::Set(Ints(), 3));
-  return {hn::PromoteTo(d, hn::GatherIndex(f, base, at)), hn::PromoteTo(d, hn::GatherIndex(f, base + 1, at)),
-          hn::PromoteTo(d, hn::GatherIndex(f, base + 2, at))};
+  const Ints i32;
+  const Indices three = hn::Set(i32, 3), first = hn::Mul(triangle, three);
+  const std::int32_t* const corner_of = reinterpret_cast<const std::int32_t*>(mesh.triangles.data());
+  const float* const positions = &mesh.positions.data()->x;
+  Corners corners;
+  for (int c = 0; c < 3; ++c) {
+    const Indices at = hn::Mul(hn::GatherIndex(i32, corner_of + c, first), three);
+    for (int axis = 0; axis < 3; ++axis) corners.p[c][axis] = hn::GatherIndex(f, positions + axis, at);
+  }
+  return corners;
+}
+
+/// The same where neighbours share triangles: each is loaded once and spread over its lanes.
+HWY_INLINE Corners spread_corners(const Mesh& mesh, Indices triangle, const std::uint32_t* triangles) {
+  const Floats f;
+  const Ints i32;
+  Corners corners;
+  for (auto& corner : corners.p)
+    for (auto& axis : corner) axis = hn::Zero(f);
+  for (std::size_t lane = 0; lane < hn::Lanes(f);) {
+    const std::uint32_t t = triangles[lane];
+    if (t != no_triangle) {
+      const auto mask = hn::RebindMask(f, hn::Eq(triangle, hn::Set(i32, static_cast<std::int32_t>(t))));
+      for (int c = 0; c < 3; ++c) {
+        const glm::vec3& p = mesh.positions[mesh.triangles[t][c]];
+        for (int axis = 0; axis < 3; ++axis)
+          corners.p[c][axis] = hn::IfThenElse(mask, hn::Set(f, p[axis]), corners.p[c][axis]);
+      }
+    }
+    do ++lane;
+    while (lane < hn::Lanes(f) && triangles[lane] == t);
+  }
+  return corners;
 }
 
 void hit_pixels(const Mesh& mesh, const ViewTransform& view, std::uint32_t x, std::uint32_t y,
@@ -70,32 +107,27 @@ void hit_pixels(const Mesh& mesh, const ViewTransform& view, std::uint32_t x, st
   const Floats f;
   const Ints i32;
   const V zero = hn::Zero(d), one = hn::Set(d, 1.0);
+  const auto nowhere = hn::Set(f, std::numeric_limits<float>::infinity());
   const double upwards = (view.half_height - (y + 0.5)) / view.pixels_per_unit;
   const V3 eye = broadcast(view.eye), right = broadcast(view.right), forward = broadcast(view.forward);
   const V3 up = broadcast(upwards * view.up);
-  const std::int32_t* const corner_of = reinterpret_cast<const std::int32_t*>(mesh.triangles.data());
-  const glm::vec3* const positions = mesh.positions.data();
   const std::size_t lanes = hn::Lanes(d);
-  constexpr std::size_t max_lanes = hn::MaxLanes(d);
-  HWY_ALIGN std::array<std::int32_t, max_lanes> triangle_lanes;
-  HWY_ALIGN std::array<float, 2 * max_lanes> weight_lanes;
-  HWY_ALIGN std::array<float, max_lanes> depth_lanes;
+  const std::size_t few_changes = lanes / 2;
 
   for (std::size_t begin = 0; begin < n; begin += lanes) {
-    const std::size_t n_here = std::min(lanes, n - begin);
-    triangle_lanes.fill(-1);
-    std::copy_n(triangles + begin, n_here, reinterpret_cast<std::uint32_t*>(triangle_lanes.data()));
-    const Indices triangle = hn::Load(i32, triangle_lanes.data());
+    const std::int32_t* const row = reinterpret_cast<const std::int32_t*>(triangles) + begin;
+    const Indices triangle = hn::LoadU(i32, row);
     const auto is_covered = hn::Gt(triangle, hn::Set(i32, -1));  // no_triangle is −1
     if (hn::AllFalse(i32, is_covered)) {
-      std::fill_n(barycentrics + begin, n_here, glm::vec2(0));
-      std::fill_n(depths + begin, n_here, std::numeric_limits<float>::infinity());
+      hn::StoreInterleaved2(hn::Zero(f), hn::Zero(f), f, &barycentrics[begin].x);
+      hn::StoreU(nowhere, f, depths + begin);
       continue;
     }
-    const Indices first = hn::Mul(hn::IfThenElseZero(is_covered, triangle), hn::Set(i32, 3));
-    const V3 p0 = gather_points(positions, hn::GatherIndex(i32, corner_of, first));
-    const V3 p1 = gather_points(positions, hn::GatherIndex(i32, corner_of + 1, first));
-    const V3 p2 = gather_points(positions, hn::GatherIndex(i32, corner_of + 2, first));
+    const std::size_t n_changes = hn::CountTrue(i32, hn::Ne(triangle, hn::LoadU(i32, row + 1)));
+    const Corners corners = n_changes <= few_changes
+                                ? spread_corners(mesh, triangle, triangles + begin)
+                                : gather_corners(mesh, hn::IfThenElseZero(is_covered, triangle));
+    const V3 p0 = corners.point(0), p1 = corners.point(1), p2 = corners.point(2);
 
     const V pixel = hn::Add(hn::Iota(d, static_cast<double>(x + begin)), hn::Set(d, 0.5));
     const V to_right = hn::Div(hn::Sub(pixel, hn::Set(d, view.half_width)), hn::Set(d, view.pixels_per_unit));
@@ -130,13 +162,8 @@ void hit_pixels(const Mesh& mesh, const ViewTransform& view, std::uint32_t x, st
     const auto keep = hn::RebindMask(f, is_covered);
     const auto w1 = hn::IfThenElseZero(keep, hn::DemoteTo(f, b1));
     const auto w2 = hn::IfThenElseZero(keep, hn::DemoteTo(f, b2));
-    const auto z =
-        hn::IfThenElse(keep, hn::DemoteTo(f, depth), hn::Set(f, std::numeric_limits<float>::infinity()));
-    hn::StoreInterleaved2(w1, w2, f, weight_lanes.data());
-    hn::Store(z, f, depth_lanes.data());
-    for (std::size_t i = 0; i < n_here; ++i)
-      barycentrics[begin + i] = {weight_lanes[2 * i], weight_lanes[2 * i + 1]};
-    std::copy_n(depth_lanes.begin(), n_here, depths + begin);
+    hn::StoreInterleaved2(w1, w2, f, &barycentrics[begin].x);
+    hn::StoreU(hn::IfThenElse(keep, hn::DemoteTo(f, depth), nowhere), f, depths + begin);
   }
 }
 

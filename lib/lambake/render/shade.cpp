@@ -14,19 +14,18 @@
 namespace lambake {
 namespace {
 
-constexpr std::size_t pixel_block = 8192;
+constexpr std::size_t pixel_block = 8192;  // whole groups of PlaceBlock
 
 LinearRgb to_rgb(const glm::vec4& v) {
   return {v.r, v.g, v.b};
 }
 
-/// Covered pixels that are shaded together, and what their colours are made from.
+/// Pixels that are shaded together, and what their colours are made from.
 struct ShadingBlock {
   PlaceBlock places;
-  std::array<std::uint32_t, PlaceBlock::capacity> pixels{};
-  std::array<LinearRgb, PlaceBlock::capacity> vertex_parts{};  ///< Vertex colour ⊗ light.
-  std::array<LinearRgb, PlaceBlock::capacity> base_colors{};   ///< Interpolated vertex colours, if any.
-  std::array<glm::vec3, PlaceBlock::capacity> positions{}, normals{};
+  std::array<LinearRgb, PlaceBlock::capacity> vertex_parts;  ///< Vertex colour ⊗ light.
+  std::array<LinearRgb, PlaceBlock::capacity> base_colors;   ///< Interpolated vertex colours, if any.
+  std::array<glm::vec3, PlaceBlock::capacity> positions, normals;
 };
 
 LinearRgb sampled(const Scene& scene, const Mesh& mesh, const PlaceBlock& places, std::size_t i,
@@ -56,43 +55,52 @@ LinearRgb outgoing(const Scene& scene, const Mesh& mesh, const PlaceBlock& place
   return emission + reflected;
 }
 
-/// A picture whose covered pixels are brought through outgoing(); `find_vertex_parts(block)` sets
+/// Fills a picture whose covered pixels are brought through outgoing(); `find_vertex_parts(block)` sets
 /// block.vertex_parts.
 template <typename FindVertexParts>
-Picture shade(const Scene& scene, const Mesh& mesh, const Visibility& visibility,
-              const FindVertexParts& find_vertex_parts) {
-  Picture picture{visibility.width, visibility.height, {}};
-  picture.pixels.resize(visibility.triangles.size());
-  parallel_blocks(picture.n_pixels(), pixel_block, [&](std::size_t begin, std::size_t end) {
+void shade(const Scene& scene, const Mesh& mesh, const Visibility& visibility,
+           const FindVertexParts& find_vertex_parts, Picture& out) {
+  constexpr std::size_t group = PlaceBlock::group;
+  out.width = visibility.width;
+  out.height = visibility.height;
+  out.pixels.resize(visibility.triangles.size());
+  parallel_blocks(out.n_pixels(), pixel_block, [&](std::size_t begin, std::size_t end) {
     ShadingBlock block;
     PlaceBlock& places = block.places;
     const auto flush = [&] {
-      if (places.n == 0) return;
-      find_corners(mesh, places);
+      if (places.n_groups == 0) return;
+      load_places(mesh, visibility, places);
       find_vertex_parts(block);
-      for (std::size_t i = 0; i < places.n; ++i)
-        picture.pixels[block.pixels[i]] = outgoing(scene, mesh, places, i, block.vertex_parts[i]);
-      places.n = 0;
+      for (std::size_t g = 0; g < places.n_groups; ++g) {
+        const std::size_t first = places.first_pixels[g], n = std::min(group, end - first);
+        for (std::size_t lane = 0; lane < n; ++lane) {
+          const std::size_t i = g * group + lane;
+          out.pixels[first + lane] = visibility.triangles[first + lane] == no_triangle
+                                         ? background
+                                         : outgoing(scene, mesh, places, i, block.vertex_parts[i]);
+        }
+      }
+      places.n_groups = 0;
     };
-    for (std::size_t i = begin; i < end; ++i) {
-      if (visibility.triangles[i] == no_triangle) {
-        picture.pixels[i] = background;
+    for (std::size_t pixel = begin; pixel < end; pixel += group) {
+      const std::size_t n = std::min(group, end - pixel);
+      static_assert(no_triangle == ~std::uint32_t{0});
+      std::uint32_t common = no_triangle;
+      for (std::size_t lane = 0; lane < n; ++lane) common &= visibility.triangles[pixel + lane];
+      if (common == no_triangle) {
+        std::fill_n(out.pixels.data() + pixel, n, background);
         continue;
       }
-      places.triangles[places.n] = visibility.triangles[i];
-      places.weights1[places.n] = visibility.barycentrics[i].x;
-      places.weights2[places.n] = visibility.barycentrics[i].y;
-      block.pixels[places.n] = static_cast<std::uint32_t>(i);
-      if (++places.n == PlaceBlock::capacity) flush();
+      places.first_pixels[places.n_groups] = pixel;
+      if (++places.n_groups == PlaceBlock::max_groups) flush();
     }
     flush();
   });
-  return picture;
 }
 
 }  // namespace
 
-Picture shade_per_fragment(const Scene& scene, const Visibility& visibility) {
+void shade_per_fragment(const Scene& scene, const Visibility& visibility, Picture& out) {
   const Mesh& mesh = scene.mesh;
   if (mesh.normals.size() != mesh.n_vertices())
     throw InvalidScene(
@@ -100,9 +108,9 @@ Picture shade_per_fragment(const Scene& scene, const Visibility& visibility) {
   const PackedLights lights = pack_lights(scene.lights);
   const bool has_unlit = std::any_of(scene.materials.begin(), scene.materials.end(),
                                      [](const Material& material) { return material.is_unlit; });
-  return shade(scene, mesh, visibility, [&](ShadingBlock& block) {
+  const auto find_vertex_parts = [&](ShadingBlock& block) {
     const PlaceBlock& places = block.places;
-    const std::size_t n = places.n;
+    const std::size_t n = places.n_places();
     interpolate_normals(mesh.normals, places, block.normals);
     if (lights.needs_positions) interpolate(mesh.positions, places, block.positions);
     irradiance(lights, std::span(block.positions).first(n), std::span(block.normals).first(n),
@@ -114,12 +122,23 @@ Picture shade_per_fragment(const Scene& scene, const Visibility& visibility) {
       const bool is_unlit = scene.materials[mesh.material_of(places.triangles[i])].is_unlit;
       block.vertex_parts[i] = is_unlit ? block.base_colors[i] : block.base_colors[i] * block.vertex_parts[i];
     }
-  });
+  };
+  shade(scene, mesh, visibility, find_vertex_parts, out);
+}
+
+Picture shade_per_fragment(const Scene& scene, const Visibility& visibility) {
+  Picture picture;
+  shade_per_fragment(scene, visibility, picture);
+  return picture;
 }
 
 Picture shade_per_vertex(const Scene& scene, const BakedColors& baked, const Visibility& visibility) {
-  return shade(scene, mesh_of(scene, baked), visibility,
-               [&](ShadingBlock& block) { interpolate(baked.colors, block.places, block.vertex_parts); });
+  Picture picture;
+  const auto find_vertex_parts = [&](ShadingBlock& block) {
+    interpolate(baked.colors, block.places, block.vertex_parts);
+  };
+  shade(scene, mesh_of(scene, baked), visibility, find_vertex_parts, picture);
+  return picture;
 }
 
 std::size_t count_seen_from_behind(const Scene& scene, const Visibility& visibility, const Camera& camera) {

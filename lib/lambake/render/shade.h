@@ -16,6 +16,8 @@ inline constexpr LinearRgb background{0.0f, 0.0f, 0.0f};
 /// textures sampled, and the equation is evaluated. `visibility` is of the scene's own mesh, which has
 /// normals.
 Picture shade_per_fragment(const Scene& scene, const Visibility& visibility);
+/// The same into `out`, whose memory is used again: for many frames.
+void shade_per_fragment(const Scene& scene, const Visibility& visibility, Picture& out);
 
 /// Gouraud: baked colours interpolated, times the material's base colour and texture, plus its emission.
 /// `visibility` is of mesh_of(scene, baked).

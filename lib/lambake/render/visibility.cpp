@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "lambake/core/error.h"
@@ -185,13 +186,17 @@ std::size_t VisibilityPass::draw_tile(std::size_t tile_index) const {
 
   std::size_t n_covered = 0;
   const std::size_t width = static_cast<std::size_t>(tile.width);
+  std::array<glm::vec2, tile_side> barycentrics;
+  std::array<float, tile_side> depths;
   for (int j = 0; j < tile.height; ++j) {
     const std::uint32_t y = static_cast<std::uint32_t>(tile.y + j);
     const std::size_t pixel = std::size_t{y} * out_.width + static_cast<std::size_t>(tile.x);
     const std::uint32_t* const row = tile.triangles.data() + static_cast<std::size_t>(j * tile_side);
-    std::copy_n(row, width, out_.triangles.begin() + static_cast<std::ptrdiff_t>(pixel));
-    hit_row(mesh_, screen_.view(), static_cast<std::uint32_t>(tile.x), y, row, width,
-            out_.barycentrics.data() + pixel, out_.depths.data() + pixel);
+    hit_row(mesh_, screen_.view(), static_cast<std::uint32_t>(tile.x), y, row, tile_side, barycentrics.data(),
+            depths.data());
+    std::copy_n(row, width, out_.triangles.data() + pixel);
+    std::copy_n(barycentrics.begin(), width, out_.barycentrics.data() + pixel);
+    std::copy_n(depths.begin(), width, out_.depths.data() + pixel);
     n_covered += width - static_cast<std::size_t>(std::count(row, row + width, no_triangle));
   }
   return n_covered;
@@ -248,8 +253,8 @@ void check_camera(const Camera& camera) {
 
 }  // namespace
 
-Visibility find_visibility(const Scene& scene, const Mesh& mesh, const Camera& camera, std::uint32_t width,
-                           std::uint32_t height) {
+void find_visibility(const Scene& scene, const Mesh& mesh, const Camera& camera, std::uint32_t width,
+                     std::uint32_t height, Visibility& out) {
   if (width == 0 || height == 0 || width > max_picture_side || height > max_picture_side)
     throw InvalidOption(
         fmt::format("picture: expected 1 to {} pixels a side, found {}x{}", max_picture_side, width, height));
@@ -257,14 +262,20 @@ Visibility find_visibility(const Scene& scene, const Mesh& mesh, const Camera& c
     throw InvalidScene(
         fmt::format("render: expected less than {} triangles, found {}", max_triangles, mesh.n_triangles()));
   check_camera(camera);
-  Visibility out;
+  const std::size_t n = std::size_t{width} * height;
   out.width = width;
   out.height = height;
-  const std::size_t n = std::size_t{width} * height;
   out.triangles.resize(n);
   out.barycentrics.resize(n);
   out.depths.resize(n);
+  out.n_covered = 0;
   VisibilityPass(scene, mesh, camera, out).run();
+}
+
+Visibility find_visibility(const Scene& scene, const Mesh& mesh, const Camera& camera, std::uint32_t width,
+                           std::uint32_t height) {
+  Visibility out;
+  find_visibility(scene, mesh, camera, width, height, out);
   return out;
 }
 

@@ -35,4 +35,8 @@ struct Visibility {
 Visibility find_visibility(const Scene& scene, const Mesh& mesh, const Camera& camera, std::uint32_t width,
                            std::uint32_t height);
 
+/// The same into `out`, whose memory is used again: for many frames.
+void find_visibility(const Scene& scene, const Mesh& mesh, const Camera& camera, std::uint32_t width,
+                     std::uint32_t height, Visibility& out);
+
 }  // namespace lambake
