@@ -8,7 +8,7 @@
 #include "lambake/io/image_file.h"
 #include "lambake/report/charts.h"
 #include "lambake/report/difference.h"
-#include "lambake/report/page_assets.h"
+#include "lambake/report/page_frame.h"
 #include "lambake/report/report.h"
 #include "lambake/report/text.h"
 
@@ -17,22 +17,6 @@ namespace {
 
 std::string data_uri(const Picture& picture) {
   return "data:image/png;base64," + base64(encode_png(picture));
-}
-
-/// `text` with each {{name}} replaced by its value. Values are not looked at again.
-std::string fill_slots(std::string_view text,
-                       const std::vector<std::pair<std::string_view, std::string_view>>& slots) {
-  std::string out;
-  while (true) {
-    const std::size_t open = text.find("{{");
-    if (open == std::string_view::npos) return out.append(text);
-    const std::size_t close = text.find("}}", open);
-    const std::string_view name = text.substr(open + 2, close - open - 2);
-    out.append(text.substr(0, open));
-    out.append(
-        std::find_if(slots.begin(), slots.end(), [&](const auto& s) { return s.first == name; })->second);
-    text.remove_prefix(close + 2);
-  }
 }
 
 /// The sentence that the page opens with, from the numbers on screen.
@@ -68,10 +52,6 @@ std::string verdict(const Comparison& c) {
       "Per-vertex lighting shows: {} of the pixels differ from per-pixel lighting by more than "
       "1/255, the worst place by {}.",
       percent(over), steps_of_255(largest));
-}
-
-std::string count_of(std::size_t n, std::string_view singular, std::string_view plural) {
-  return fmt::format("<b>{}</b> {}", grouped(n), n == 1 ? singular : plural);
 }
 
 /// The few numbers that people ask for first.
@@ -265,6 +245,11 @@ std::string numbers_section(const Comparison& c) {
                     c.max_bound_linear, short_number));
 }
 
+std::string light_name(const Comparison& c, std::size_t i) {
+  return i < c.light_names.size() && !c.light_names[i].empty() ? escape_html(c.light_names[i])
+                                                               : fmt::format("light {}", i + 1);
+}
+
 std::string worst_section(const Comparison& c) {
   const std::vector<SurfacePlace>& worst = c.surface_display.worst;
   if (worst.empty()) return {};
@@ -273,7 +258,7 @@ std::string worst_section(const Comparison& c) {
   };
   std::string html =
       "<section aria-labelledby=\"worst\">\n<h2 id=\"worst\">The worst places on the surface</h2>\n"
-      "<table class=\"table worst\">\n<thead><tr><th scope=\"col\">Off by</th><th scope=\"col\">Face</th>"
+      "<table class=\"table stacked\">\n<thead><tr><th scope=\"col\">Off by</th><th scope=\"col\">Face</th>"
       "<th scope=\"col\">Barycentrics</th><th scope=\"col\">Position</th><th scope=\"col\">Light that causes "
       "most of it"
       "</th></tr></thead>\n<tbody>\n";
@@ -283,8 +268,7 @@ std::string worst_section(const Comparison& c) {
         "<td data-label=\"Barycentrics\">{}</td><td data-label=\"Position\">{}</td><td "
         "data-label=\"Light\">{}</td></tr>\n",
         steps_of_255(place.error), place.source_face, vector(place.barycentrics), vector(place.position),
-        place.light < c.light_names.size() ? escape_html(c.light_names[place.light])
-                                           : fmt::format("light {}", place.light));
+        light_name(c, place.light));
   return html + "</tbody>\n</table>\n</section>\n";
 }
 
@@ -315,7 +299,7 @@ std::string lights_section(const Comparison& c) {
   for (std::size_t i = 0; i < order.size(); ++i) {
     const LightShare& share = c.light_shares[order[i]];
     if (i < n_shown)
-      row(escape_html(c.light_names[order[i]]), share);
+      row(light_name(c, order[i]), share);
     else
       rest.light += share.light, rest.error += share.error;
   }
@@ -341,43 +325,25 @@ std::string findings_section(const Comparison& c) {
          "</section>\n";
 }
 
-std::string made_section(const Comparison& c) {
-  std::string html =
-      "<section aria-labelledby=\"made\">\n<h2 id=\"made\">How this was made</h2>\n<dl class=\"made\">\n";
-  const auto row = [&](const std::string& name, const std::string& value) {
-    html += fmt::format("<dt>{}</dt><dd>{}</dd>\n", name, value);
-  };
-  row("Command", "<code>" + escape_html(c.command) + "</code>");
-  row("Version", "lambake " + escape_html(c.version));
-  std::string times;
+/// "1.2 s (read 200 ms, bake 1 s)".
+std::string times(const Comparison& c) {
+  std::string stages;
   double total = 0;
   for (const auto& [stage, seconds] : c.seconds) {
-    times += fmt::format("{}{} {}", times.empty() ? "" : ", ", escape_html(stage), duration(seconds));
+    stages += fmt::format("{}{} {}", stages.empty() ? "" : ", ", escape_html(stage), duration(seconds));
     total += seconds;
   }
-  if (!times.empty()) row("Time", fmt::format("{} ({})", duration(total), times));
-  return html + "</dl>\n</section>\n";
+  return stages.empty() ? std::string() : fmt::format("{} ({})", duration(total), stages);
 }
 
 }  // namespace
 
 std::string report_page(const Comparison& c) {
-  const std::string title = escape_html(c.input) + " · lambake compare";
-  const std::string head = header(c);
   const Differences differences = find_differences(c);
-  const std::string main = slider_section(c) + difference_section(c, differences) +
-                           zooms_section(c, differences) + numbers_section(c) + lights_section(c) +
-                           worst_section(c) + findings_section(c) + made_section(c);
-  const std::string css = std::string(page_assets::page_css).append(page_assets::chart_css);
-  return fill_slots(page_assets::page_html,
-                    {{"title", title},
-                     {"css", css},
-                     {"js", page_assets::page_js},
-                     {"header", head},
-                     {"main", main},
-                     {"footer",
-                      "<p>Made by lambake: Lambertian light per vertex, per pixel, and the difference. "
-                      "The same numbers are in report.json.</p>\n"}});
+  return page_frame(c.input + " · lambake compare", header(c),
+                    slider_section(c) + difference_section(c, differences) + zooms_section(c, differences) +
+                        numbers_section(c) + lights_section(c) + worst_section(c) + findings_section(c) +
+                        made_section(c.command, c.version, times(c)));
 }
 
 }  // namespace lambake

@@ -1,0 +1,332 @@
+#include "lambake/report/chart_report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "lambake/report/page_frame.h"
+#include "lambake/report/text.h"
+
+namespace lambake {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json timing_json(const Timing& t) {
+  return {{"median", t.median}, {"low_quartile", t.low}, {"high_quartile", t.high}, {"repeats", t.repeats}};
+}
+
+ChartPoint point_of(const Timing& time, double y, std::string label) {
+  return {time.median, y, time.low, time.high, std::move(label)};
+}
+
+/// One series per method, in the order of the run, of the runs that have a y.
+std::vector<ChartSeries> series_by_method(
+    const ChartRun& run, const std::function<std::optional<ChartPoint>(const MethodRun&)>& point) {
+  std::vector<ChartSeries> all;
+  for (const MethodRun& m : run.methods) {
+    const std::optional<ChartPoint> p = point(m);
+    if (!p) continue;
+    if (all.empty() || all.back().name != m.method) all.push_back({m.method, {}});
+    all.back().points.push_back(*p);
+  }
+  return all;
+}
+
+void add_frames(Chart& chart, const ChartRun& run) {
+  ChartSeries frames{"per pixel, one picture", {}, false, false};
+  for (const FrameRun& f : run.frames)
+    frames.points.push_back(point_of(f.per_fragment, 0, fmt::format("{}×{}", f.width, f.height)));
+  if (!frames.points.empty()) chart.series.push_back(std::move(frames));
+}
+
+ChartAxis time_axis(const std::string& label) {
+  return {label, duration};
+}
+ChartAxis number_axis(const std::string& label) {
+  return {label, short_number};
+}
+std::string time_of_bake(const ChartRun& run) {
+  return fmt::format("time of a bake on {} thread{}", run.n_threads, run.n_threads == 1 ? "" : "s");
+}
+
+/// The number of lights at which both cost the same, between two measured ones; none if one is always
+/// cheaper.
+std::optional<ChartPoint> crossing(const ChartRun& run) {
+  for (std::size_t i = 0; i + 1 < run.lights.size(); ++i) {
+    const LightsRun &a = run.lights[i], &b = run.lights[i + 1];
+    const double da = std::log(a.per_vertex.median / a.per_fragment.median);
+    const double db = std::log(b.per_vertex.median / b.per_fragment.median);
+    if (da == db || (da < 0) == (db < 0)) continue;
+    const double t = da / (da - db);
+    const auto between = [t](double u, double v) {
+      return std::exp((1 - t) * std::log(u) + t * std::log(v));
+    };
+    return ChartPoint{between(static_cast<double>(a.n_lights), static_cast<double>(b.n_lights)),
+                      between(a.per_vertex.median, b.per_vertex.median),
+                      0,
+                      0,
+                      "",
+                      true};
+  }
+  return std::nullopt;
+}
+
+/// For the run by `sample` with the scene's normals, if there is one.
+const MethodRun* find_sample(const ChartRun& run) {
+  const auto it = std::find_if(run.methods.begin(), run.methods.end(),
+                               [](const MethodRun& m) { return m.method == "sample" && m.variant.empty(); });
+  return it == run.methods.end() ? nullptr : &*it;
+}
+
+std::string headline(const ChartRun& run) {
+  const MethodRun* sample = find_sample(run);
+  if (sample == nullptr || run.frames.empty())
+    return fmt::format("Time against error of {} ways to light {}.", run.methods.size(), run.input);
+  const FrameRun& frame = run.frames.back();
+  const double saved = frame.per_fragment.median - frame.per_vertex.median;
+  const std::string pays =
+      saved <= 0 ? "a picture costs the same either way"
+                 : fmt::format("it saves {} on each picture of {}×{}, so it has paid for itself after {}",
+                               duration(saved), frame.width, frame.height,
+                               sample->all_threads.median <= saved
+                                   ? std::string("the first")
+                                   : fmt::format("{:.0f}", std::ceil(sample->all_threads.median / saved)));
+  return fmt::format("Baking by sample takes {} and is typically off by {}; {}.",
+                     duration(sample->all_threads.median), steps_of_255(sample->rmse), pays);
+}
+
+std::string header(const ChartRun& run) {
+  return fmt::format(
+      "<p class=\"eyebrow\">{} · speed against accuracy</p>\n<h1>{}</h1>\n<ul "
+      "class=\"facts\">\n<li>{}</li>\n<li>{}</li>\n"
+      "<li>{}</li>\n<li>{}</li>\n</ul>\n",
+      escape_html(run.input), escape_html(headline(run)), count_of(run.n_vertices, "vertex", "vertices"),
+      count_of(run.n_triangles, "triangle", "triangles"), count_of(run.n_lights, "light", "lights"),
+      count_of(run.n_threads, "thread", "threads"));
+}
+
+std::string chart_section(const Chart& chart, const std::string& text) {
+  return fmt::format(
+      "<section aria-labelledby=\"{0}\">\n<h2 "
+      "id=\"{0}\">{1}</h2>\n<figure>\n{2}<figcaption>{3}</figcaption>\n</figure>\n"
+      "</section>\n",
+      chart.id, escape_html(chart.title), responsive_chart_svg(chart), text);
+}
+
+std::string timing_cell(const char* label, const Timing& t) {
+  return fmt::format("<td class=\"n\" data-label=\"{}\">{}<small>{} to {}, {} repeats</small></td>", label,
+                     duration(t.median), duration(t.low), duration(t.high), t.repeats);
+}
+
+std::string methods_section(const ChartRun& run) {
+  std::string html =
+      "<section aria-labelledby=\"methods\">\n<h2 id=\"methods\">The methods in numbers</h2>\n<table "
+      "class=\"table stacked\">\n"
+      "<thead><tr><th scope=\"col\">Method</th><th scope=\"col\" class=\"n\">Vertices</th><th scope=\"col\" "
+      "class=\"n\">Bytes"
+      "</th><th scope=\"col\" class=\"n\">One thread</th><th scope=\"col\" class=\"n\">All threads</th><th "
+      "scope=\"col\" "
+      "class=\"n\">RMSE</th><th scope=\"col\" class=\"n\">Largest found</th><th scope=\"col\" "
+      "class=\"n\">Certified</th></tr>"
+      "</thead>\n<tbody>\n";
+  for (const MethodRun& m : run.methods) {
+    const auto cell = [&](const char* label, const std::string& value) {
+      html += fmt::format("<td class=\"n\" data-label=\"{}\">{}</td>", label, value);
+    };
+    html += fmt::format("<tr><th scope=\"row\" data-label=\"Method\">{}</th>", escape_html(m.label()));
+    cell("Vertices", grouped(m.n_vertices));
+    cell("Bytes", grouped(m.bytes));
+    html += timing_cell("One thread", m.one_thread) + timing_cell("All threads", m.all_threads);
+    cell("RMSE", steps_of_255(m.rmse));
+    cell("Largest found", steps_of_255(m.max_sampled));
+    cell("Certified", steps_of_255(m.max_bound));
+    html += "</tr>\n";
+  }
+  html += "</tbody>\n</table>\n</section>\n";
+  if (run.frames.empty()) return html;
+  html +=
+      "<section aria-labelledby=\"frames\">\n<h2 id=\"frames\">A picture, drawn both ways</h2>\n<table "
+      "class=\"table stacked\">\n"
+      "<thead><tr><th scope=\"col\">Size</th><th scope=\"col\" class=\"n\">Lit pixels</th><th scope=\"col\" "
+      "class=\"n\">Per "
+      "vertex</th><th scope=\"col\" class=\"n\">Per pixel</th></tr></thead>\n<tbody>\n";
+  for (const FrameRun& f : run.frames)
+    html += fmt::format(
+        "<tr><th scope=\"row\" data-label=\"Size\">{}×{}</th><td class=\"n\" data-label=\"Lit "
+        "pixels\">{}</td>{}{}</tr>\n",
+        f.width, f.height, grouped(f.n_covered), timing_cell("Per vertex", f.per_vertex),
+        timing_cell("Per pixel", f.per_fragment));
+  return html + "</tbody>\n</table>\n</section>\n";
+}
+
+}  // namespace
+
+std::string chart_json(const ChartRun& run) {
+  Json json = {{"input", run.input},         {"command", run.command},       {"version", run.version},
+               {"vertices", run.n_vertices}, {"triangles", run.n_triangles}, {"lights", run.n_lights},
+               {"threads", run.n_threads}};
+  json["methods"] = Json::array();
+  for (const MethodRun& m : run.methods)
+    json["methods"].push_back(
+        {{"method", m.method},
+         {"variant", m.variant},
+         {"vertices", m.n_vertices},
+         {"triangles", m.n_triangles},
+         {"bytes", m.bytes},
+         {"seconds",
+          {{"one_thread", timing_json(m.one_thread)}, {"all_threads", timing_json(m.all_threads)}}},
+         {"surface_display",
+          {{"rmse", m.rmse},
+           {"max_sampled", m.max_sampled},
+           {"max_bound", std::isfinite(m.max_bound) ? Json(m.max_bound) : Json(nullptr)}}}});
+  json["pictures"] = Json::array();
+  for (const FrameRun& f : run.frames)
+    json["pictures"].push_back({{"width", f.width},
+                                {"height", f.height},
+                                {"lit_pixels", f.n_covered},
+                                {"per_vertex", timing_json(f.per_vertex)},
+                                {"per_fragment", timing_json(f.per_fragment)}});
+  json["over_lights"] = Json::array();
+  for (const LightsRun& l : run.lights)
+    json["over_lights"].push_back({{"lights", l.n_lights},
+                                   {"per_vertex", timing_json(l.per_vertex)},
+                                   {"per_fragment", timing_json(l.per_fragment)}});
+  json["left_out"] = run.left_out;
+  json["seconds"] = run.seconds;
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+}
+
+std::string chart_csv(const ChartRun& run) {
+  std::string csv =
+      "method,variant,vertices,triangles,bytes,seconds_one_thread,seconds_all_threads,low_quartile,high_"
+      "quartile,"
+      "repeats,rmse_display,max_sampled_display,max_bound_display\r\n";
+  for (const MethodRun& m : run.methods)
+    csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{}\r\n", m.method, m.variant, m.n_vertices,
+                       m.n_triangles, m.bytes, m.one_thread.median, m.all_threads.median, m.all_threads.low,
+                       m.all_threads.high, m.all_threads.repeats, m.rmse, m.max_sampled, m.max_bound);
+  for (const FrameRun& f : run.frames)
+    for (const auto& [name, time] : {std::pair{"per vertex", f.per_vertex}, {"per pixel", f.per_fragment}})
+      csv += fmt::format("picture {},{}x{},,,,,{},{},{},{},,,\r\n", name, f.width, f.height, time.median,
+                         time.low, time.high, time.repeats);
+  return csv;
+}
+
+Chart speed_chart(const ChartRun& run) {
+  Chart chart{"speed",
+              "Time against typical error",
+              time_axis(time_of_bake(run)),
+              number_axis("RMSE on the surface, on screen, steps of 1/255"),
+              {},
+              {},
+              true};
+  chart.series = series_by_method(run, [](const MethodRun& m) {
+    return std::optional(point_of(m.all_threads, m.rmse * 255, m.label()));
+  });
+  add_frames(chart, run);
+  return chart;
+}
+
+Chart bound_chart(const ChartRun& run) {
+  Chart chart{"bound",
+              "Time against largest error",
+              time_axis(time_of_bake(run)),
+              number_axis("certified largest error, on screen, steps of 1/255"),
+              {},
+              {},
+              true};
+  chart.series = series_by_method(run, [](const MethodRun& m) -> std::optional<ChartPoint> {
+    if (!std::isfinite(m.max_bound)) return std::nullopt;
+    return point_of(m.all_threads, m.max_bound * 255, m.label());
+  });
+  add_frames(chart, run);
+  return chart;
+}
+
+Chart lights_chart(const ChartRun& run) {
+  Chart chart{"over-lights",
+              "Time over the number of lights",
+              number_axis("lamps around the model"),
+              time_axis("time"),
+              {},
+              {},
+              false};
+  ChartSeries vertex{"per vertex: one bake", {}, true},
+      fragment{"per pixel: one picture of 1280×720", {}, true};
+  for (const LightsRun& l : run.lights) {
+    const auto n = static_cast<double>(l.n_lights);
+    vertex.points.push_back({n, l.per_vertex.median});
+    fragment.points.push_back({n, l.per_fragment.median});
+  }
+  chart.series = {std::move(vertex), std::move(fragment)};
+  if (std::optional<ChartPoint> p = crossing(run)) {
+    p->label = fmt::format("equal at {} lights", short_number(std::round(p->x)));
+    chart.series.push_back({"crossing", {*p}});
+  }
+  return chart;
+}
+
+Chart vertices_chart(const ChartRun& run) {
+  Chart chart{"over-vertices",
+              "Largest error over the number of vertices",
+              number_axis("vertices"),
+              number_axis("certified largest error, on screen, steps of 1/255"),
+              {},
+              {},
+              true};
+  chart.series = series_by_method(run, [](const MethodRun& m) -> std::optional<ChartPoint> {
+    if (!std::isfinite(m.max_bound)) return std::nullopt;
+    return ChartPoint{static_cast<double>(m.n_vertices), m.max_bound * 255, 0, 0, m.label()};
+  });
+  // Where the light is smooth the error falls with h² ~ 1/V, at a kink with h ~ 1/√V.
+  const MethodRun* sample = find_sample(run);
+  double most = 0;
+  for (const MethodRun& m : run.methods) most = std::max(most, static_cast<double>(m.n_vertices));
+  if (sample != nullptr && std::isfinite(sample->max_bound) && sample->max_bound > 0) {
+    const double v = static_cast<double>(sample->n_vertices), e = sample->max_bound * 255, end = 1.5 * most;
+    if (end > v) {
+      chart.guides.push_back({v, e, end, e * v / end, "h²: smooth light"});
+      chart.guides.push_back({v, e, end, e * std::sqrt(v / end), "h: at a terminator"});
+    }
+  }
+  return chart;
+}
+
+std::string chart_page(const ChartRun& run) {
+  std::string main = chart_section(speed_chart(run),
+                                   "Left is faster, lower is closer to light per pixel. Filled marks are on "
+                                   "the front: nothing else measured is "
+                                   "both faster and closer. The bars are the quartiles of the repeats. At 0: "
+                                   "what a picture costs that is lit "
+                                   "per pixel.");
+  main += chart_section(
+      bound_chart(run),
+      "The same with the largest error anywhere on the surface, certified: it is never below the "
+      "truth.");
+  if (!run.lights.empty()) {
+    const std::optional<ChartPoint> p = crossing(run);
+    const bool vertex_wins = run.lights.back().per_vertex.median < run.lights.back().per_fragment.median;
+    main += chart_section(
+        lights_chart(run),
+        p ? fmt::format("Both cost the same at about {} lights.", short_number(std::round(p->x)))
+          : fmt::format("The lines do not cross: {} is cheaper for every number measured.",
+                        vertex_wins ? "one bake" : "one picture"));
+  }
+  main += chart_section(
+      vertices_chart(run),
+      "Where light is smooth an even finer mesh errs with h², the square of its edge length; across "
+      "a terminator only with h. Cutting there beats both.");
+  main += methods_section(run);
+  std::string time = duration(run.seconds);
+  if (!run.left_out.empty())
+    time += fmt::format("; the budget left out {}",
+                        escape_html(fmt::format("{}", fmt::join(run.left_out, "; "))));
+  main += made_section(run.command, run.version, time);
+  return page_frame(run.input + " · lambake chart", header(run), main);
+}
+
+}  // namespace lambake

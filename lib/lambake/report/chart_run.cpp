@@ -1,0 +1,211 @@
+#include "lambake/report/chart_run.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <functional>
+#include <numbers>
+
+#include "lambake/bake/bake.h"
+#include "lambake/core/bounds.h"
+#include "lambake/core/error.h"
+#include "lambake/core/parallel.h"
+#include "lambake/geometry/normals.h"
+#include "lambake/measure/bound.h"
+#include "lambake/measure/surface_error.h"
+#include "lambake/render/shade.h"
+#include "lambake/render/visibility.h"
+
+namespace lambake {
+namespace {
+
+/// A way to bake, and what it is called.
+struct Variant {
+  std::string method, name;
+  std::function<BakedColors(const Scene&)> bake;
+};
+
+BakedColors bake_with_normals(const Scene& scene, NormalWeight weight) {
+  Scene other = scene;
+  other.mesh.normals = vertex_normals(other.mesh, weight).normals;
+  return bake(other, {.method = BakeMethod::sample});
+}
+
+std::vector<Variant> variants() {
+  const auto with = [](BakeOptions options) {
+    return [options](const Scene& scene) { return bake(scene, options); };
+  };
+  std::vector<Variant> all = {{"face", "", with({.method = BakeMethod::face})},
+                              {"sample", "", with({.method = BakeMethod::sample})}};
+  for (const auto& [weight, name] : {std::pair{NormalWeight::angle, "angle"},
+                                     {NormalWeight::area, "area"},
+                                     {NormalWeight::uniform, "uniform"},
+                                     {NormalWeight::max, "max"}})
+    all.push_back({"sample", fmt::format("normals {}", name),
+                   [weight = weight](const Scene& scene) { return bake_with_normals(scene, weight); }});
+  return all;
+}
+
+/// Bytes of the arrays as a glTF file has them: positions and normals of 12, colours of 4 × 16 bit, indices
+/// of 32.
+std::size_t stored_bytes(const Mesh& mesh) {
+  return mesh.n_vertices() * (12 + 12 + 8) + mesh.n_triangles() * 12;
+}
+
+/// Time left, and what could not be begun for want of it.
+class Budget {
+ public:
+  Budget(double seconds, const Progress& progress) : seconds_(seconds), progress_(progress) {}
+  double spent() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  }
+  /// Whether work called `name` may begin; tells the progress.
+  bool allows(const std::string& name, std::vector<std::string>& left_out) const {
+    if (spent() >= seconds_) {
+      left_out.push_back(name);
+      return false;
+    }
+    report_progress(progress_, name, spent() / seconds_);
+    return true;
+  }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  double seconds_;
+  const Progress& progress_;
+};
+
+/// Sets the number of threads for its lifetime.
+class ThreadLimit {
+ public:
+  explicit ThreadLimit(std::size_t n) : before_(thread_count()) { set_thread_count(n); }
+  ~ThreadLimit() { set_thread_count(before_); }
+  ThreadLimit(const ThreadLimit&) = delete;
+  ThreadLimit& operator=(const ThreadLimit&) = delete;
+
+ private:
+  std::size_t before_;
+};
+
+MethodRun measure_method(const Scene& scene, const Variant& variant, double seconds) {
+  MethodRun run;
+  run.method = variant.method;
+  run.variant = variant.name;
+  BakedColors baked;
+  const auto work = [&] { baked = variant.bake(scene); };
+  run.all_threads = measure_time(work, seconds / 2);
+  {
+    const ThreadLimit one(1);
+    run.one_thread = measure_time(work, seconds / 2);
+  }
+  const Mesh& mesh = mesh_of(scene, baked);
+  run.n_vertices = mesh.n_vertices();
+  run.n_triangles = mesh.n_triangles();
+  run.bytes = stored_bytes(mesh);
+  const SurfaceError error = surface_error(scene, baked, ErrorSpace::display);
+  run.rmse = error.rmse;
+  run.max_sampled = error.max_sampled;
+  run.max_bound = surface_bound(scene, baked, {.space = ErrorSpace::display}).max_bound;
+  return run;
+}
+
+FrameRun measure_frame(const Scene& scene, const BakedColors& baked, const Camera& camera,
+                       std::uint32_t width, std::uint32_t height, double seconds) {
+  FrameRun run;
+  run.width = width, run.height = height;
+  run.n_covered = find_visibility(scene, scene.mesh, camera, width, height).n_covered;
+  run.per_vertex = measure_time(
+      [&] {
+        const Visibility visibility = find_visibility(scene, mesh_of(scene, baked), camera, width, height);
+        shade_per_vertex(scene, baked, visibility);
+      },
+      seconds / 2);
+  run.per_fragment = measure_time(
+      [&] { shade_per_fragment(scene, find_visibility(scene, scene.mesh, camera, width, height)); },
+      seconds / 2);
+  return run;
+}
+
+/// `n` lamps on a sphere of 1.5 times the model's radius (a Fibonacci lattice), together as bright as one.
+std::vector<Light> lamps_around(const Bounds& bounds, std::size_t n) {
+  std::vector<Light> lights(n);
+  const float distance = 1.5f * bounds.radius();
+  for (std::size_t i = 0; i < n; ++i) {
+    const double z = 1 - (2 * static_cast<double>(i) + 1) / static_cast<double>(n);
+    const double angle = 2 * std::numbers::pi * static_cast<double>(i) / std::numbers::phi;
+    const double r = std::sqrt(1 - z * z);
+    Light& light = lights[i];
+    light.type = LightType::point;
+    light.position = bounds.center() + distance * glm::vec3(r * std::cos(angle), z, r * std::sin(angle));
+    light.intensity = LinearRgb{1, 1, 1} * (distance * distance / static_cast<float>(n));
+  }
+  return lights;
+}
+
+LightsRun measure_lights(const Scene& scene, const Visibility& visibility, double seconds) {
+  LightsRun run;
+  run.n_lights = scene.lights.size();
+  run.per_vertex = measure_time([&] { bake(scene, {.method = BakeMethod::sample}); }, seconds / 2);
+  run.per_fragment = measure_time([&] { shade_per_fragment(scene, visibility); }, seconds / 2);
+  return run;
+}
+
+}  // namespace
+
+std::vector<std::string> chart_methods() {
+  std::vector<std::string> names;
+  for (const Variant& variant : variants())
+    if (std::find(names.begin(), names.end(), variant.method) == names.end()) names.push_back(variant.method);
+  return names;
+}
+
+ChartRun run_chart(const Scene& scene, const ChartRunOptions& options) {
+  const std::vector<std::string> known = chart_methods();
+  for (const std::string& name : options.methods)
+    if (std::find(known.begin(), known.end(), name) == known.end())
+      throw InvalidOption(
+          fmt::format("chart: expected methods of {}, found \"{}\"", fmt::join(known, ", "), name));
+  if (!(options.budget_seconds > 0))
+    throw InvalidOption(
+        fmt::format("chart: expected a budget above 0 seconds, found {}", options.budget_seconds));
+
+  ChartRun run;
+  run.n_vertices = scene.mesh.n_vertices();
+  run.n_triangles = scene.mesh.n_triangles();
+  run.n_lights = scene.lights.size();
+  run.n_threads = thread_count();
+  const Budget budget(options.budget_seconds, options.progress);
+  // For the repeats of each thing measured; errors, computed once, come on top.
+  const double slice = options.budget_seconds / 40;
+
+  for (const Variant& variant : variants()) {
+    const bool is_asked = options.methods.empty() || std::find(options.methods.begin(), options.methods.end(),
+                                                               variant.method) != options.methods.end();
+    if (!is_asked) continue;
+    const std::string name = variant.method + (variant.name.empty() ? "" : ", " + variant.name);
+    if (budget.allows(name, run.left_out)) run.methods.push_back(measure_method(scene, variant, slice));
+  }
+
+  const BakedColors baked = bake(scene, {.method = BakeMethod::sample});
+  for (const auto& [width, height] :
+       {std::pair<std::uint32_t, std::uint32_t>{640, 360}, {1280, 720}, {1920, 1080}, {3840, 2160}}) {
+    const std::string name = fmt::format("picture of {}x{}", width, height);
+    if (budget.allows(name, run.left_out))
+      run.frames.push_back(measure_frame(scene, baked, options.camera, width, height, slice));
+  }
+
+  Scene lit = scene;
+  const Bounds bounds = bounds_of(scene.mesh.positions);
+  const Visibility visibility = find_visibility(scene, scene.mesh, options.camera, 1280, 720);
+  for (const std::size_t n : {1, 4, 16, 64, 256, 1024, 4096}) {
+    if (!budget.allows(fmt::format("{} lights", n), run.left_out)) continue;
+    lit.lights = lamps_around(bounds, n);
+    run.lights.push_back(measure_lights(lit, visibility, slice));
+  }
+  run.seconds = budget.spent();
+  return run;
+}
+
+}  // namespace lambake
