@@ -12,7 +12,9 @@
 #include "lambake/io/image_file.h"
 #include "lambake/io/output_file.h"
 #include "lambake/io/output_folder.h"
+#include "lambake/measure/bound.h"
 #include "lambake/measure/image_error.h"
+#include "lambake/measure/light_share.h"
 #include "lambake/measure/surface_error.h"
 #include "lambake/render/framing.h"
 #include "lambake/render/shade.h"
@@ -133,6 +135,18 @@ int check_thresholds(const std::vector<Threshold>& thresholds, const nlohmann::o
   return exit_code;
 }
 
+/// The names of the lights; those without are called by kind and number: "sun 1".
+std::vector<std::string> light_names(const std::vector<Light>& lights) {
+  std::vector<std::string> names;
+  for (const Light& light : lights) {
+    const char* kind = light.type == LightType::directional ? "sun"
+                       : light.type == LightType::point     ? "lamp"
+                                                            : "spot";
+    names.push_back(light.name.empty() ? fmt::format("{} {}", kind, names.size() + 1) : light.name);
+  }
+  return names;
+}
+
 void write_text(const std::string& path, const std::string& text) {
   OutputFile file(path);
   file.write(text);
@@ -165,7 +179,8 @@ int compare_and_write(const CompareCommand& command, const std::string& command_
   comparison.n_lights = scene.lights.size();
   comparison.n_scene_vertices = scene.mesh.n_vertices();
   comparison.n_scene_triangles = scene.mesh.n_triangles();
-  for (const Light& light : scene.lights) comparison.light_names.push_back(light.name);
+  comparison.light_names = light_names(scene.lights);
+  comparison.light_shares = light_shares(scene);
   comparison.findings = loaded.file.findings;
   comparison.findings.insert(comparison.findings.end(), baked.findings.begin(), baked.findings.end());
   compare_views(command, scene, baked, console, comparison);
@@ -174,6 +189,10 @@ int compare_and_write(const CompareCommand& command, const std::string& command_
   comparison.surface_linear = surface_error(scene, baked, ErrorSpace::linear);
   comparison.surface_display = surface_error(scene, baked, ErrorSpace::display);
   stopwatch.lap("surface");
+  console.stage("certified bound");
+  comparison.max_bound_linear = surface_bound(scene, baked, {.space = ErrorSpace::linear}).max_bound;
+  comparison.max_bound_display = surface_bound(scene, baked, {.space = ErrorSpace::display}).max_bound;
+  stopwatch.lap("bound");
 
   console.stage("writing");
   OutputFolder folder(command.folder);
@@ -208,8 +227,8 @@ int compare_and_write(const CompareCommand& command, const std::string& command_
     fmt::print("  picture   rmse {:.3f}  max {:.1f}  {} of {} pixels off by more than one step\n",
                image.rmse * 255, image.max * 255, group_digits(image.pixels_over_1_255),
                group_digits(image.pixels));
-    fmt::print("  surface   rmse {:.3f}  max {:.1f} (sampled)\n", surface.rmse * 255,
-               surface.max_sampled * 255);
+    fmt::print("  surface   rmse {:.3f}  max {:.1f} found, {:.1f} certified\n", surface.rmse * 255,
+               surface.max_sampled * 255, *comparison.max_bound_display * 255);
     fmt::print("{}\n", (std::filesystem::path(command.folder) / "index.html").string());
   }
   return check_thresholds(thresholds, nlohmann::ordered_json::parse(report));

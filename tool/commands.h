@@ -12,6 +12,7 @@ using Run = std::function<int(const std::string& command_line)>;
 void add_bake_command(CLI::App& app, Run& run);
 void add_render_command(CLI::App& app, Run& run);
 void add_compare_command(CLI::App& app, Run& run);
+void add_chart_command(CLI::App& app, Run& run);
 void add_info_command(CLI::App& app, Run& run);
 
 }  // namespace lambake::tool

@@ -47,6 +47,7 @@ int main(int argc, char** argv) {
   lambake::tool::add_bake_command(app, run);
   lambake::tool::add_render_command(app, run);
   lambake::tool::add_compare_command(app, run);
+  lambake::tool::add_chart_command(app, run);
   lambake::tool::add_info_command(app, run);
 
   try {

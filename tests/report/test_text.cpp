@@ -47,7 +47,7 @@ TEST(Numbers, ForPeople) {
   EXPECT_EQ(short_number(12.3456), "12.3");
   EXPECT_EQ(short_number(-0.0123456), "−0.0123");
   EXPECT_EQ(short_number(100), "100");
-  EXPECT_EQ(short_number(12345.6), "12346");
+  EXPECT_EQ(short_number(12345.6), "12\u202F346");
   EXPECT_EQ(short_number(1.5e-5), "1.5e-05");
   EXPECT_EQ(short_number(INFINITY), "∞");
   EXPECT_EQ(short_number(NAN), "not a number");
@@ -57,6 +57,7 @@ TEST(Numbers, ForPeople) {
   EXPECT_EQ(percent(0.123456), "12.3 %");
   EXPECT_EQ(percent(1e-6), "< 0.01 %");
   EXPECT_EQ(percent(0), "0 %");
+  EXPECT_EQ(duration(8e-5), "80 µs");
   EXPECT_EQ(duration(0.01234), "12.3 ms");
   EXPECT_EQ(duration(2.345), "2.35 s");
 }

@@ -179,6 +179,10 @@ std::string chart_svg(const Chart& chart, double width, double height, bool is_s
       ys.push_back(p.y);
       has_zero |= !(p.y > 0);
     }
+  for (const ChartGuide& g : chart.guides) {
+    xs.insert(xs.end(), {g.x0, g.x1});
+    ys.insert(ys.end(), {g.y0, g.y1});
+  }
   std::string svg = fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"chart\" viewBox=\"0 0 {0} {1}\"{2} role=\"img\" "
       "aria-labelledby=\"{3}-title\">\n<title id=\"{3}-title\">{4}</title>\n",
@@ -203,7 +207,7 @@ std::string chart_svg(const Chart& chart, double width, double height, bool is_s
   }
 
   const double strip = has_zero ? 30 : 0;
-  const Box plot{58, legend_y + 42, width - 14, height - 50};
+  const Box plot{64, legend_y + 42, width - 30, height - 50};
   const Scale x_scale = scale_over(xs, plot.x0, plot.x1);
   const Scale y_scale = scale_over(ys, plot.y1 - strip, plot.y0);
   const auto y_at = [&](double y) { return y > 0 ? y_scale(y) : plot.y1 - strip / 2 + 4; };

@@ -11,7 +11,7 @@
 namespace lambake {
 
 std::string histogram_svg(const std::array<std::size_t, 256>& bins) {
-  constexpr double width = 560, height = 300, left = 62, right = 8, top = 26, bottom = 46;
+  constexpr double width = 560, height = 300, left = 78, right = 8, top = 26, bottom = 46;
   std::size_t n_shown = 9;  // At least so many, so that a perfect result does not look like a wall.
   for (std::size_t i = 0; i < bins.size(); ++i)
     if (bins[i] > 0) n_shown = std::max(n_shown, i + 1);

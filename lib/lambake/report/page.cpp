@@ -245,11 +245,6 @@ std::string numbers_section(const Comparison& c) {
                     c.max_bound_linear, short_number));
 }
 
-std::string light_name(const Comparison& c, std::size_t i) {
-  return i < c.light_names.size() && !c.light_names[i].empty() ? escape_html(c.light_names[i])
-                                                               : fmt::format("light {}", i + 1);
-}
-
 std::string worst_section(const Comparison& c) {
   const std::vector<SurfacePlace>& worst = c.surface_display.worst;
   if (worst.empty()) return {};
@@ -268,7 +263,7 @@ std::string worst_section(const Comparison& c) {
         "<td data-label=\"Barycentrics\">{}</td><td data-label=\"Position\">{}</td><td "
         "data-label=\"Light\">{}</td></tr>\n",
         steps_of_255(place.error), place.source_face, vector(place.barycentrics), vector(place.position),
-        light_name(c, place.light));
+        place.light < c.light_names.size() ? escape_html(c.light_names[place.light]) : "–");
   return html + "</tbody>\n</table>\n</section>\n";
 }
 
@@ -299,7 +294,7 @@ std::string lights_section(const Comparison& c) {
   for (std::size_t i = 0; i < order.size(); ++i) {
     const LightShare& share = c.light_shares[order[i]];
     if (i < n_shown)
-      row(light_name(c, order[i]), share);
+      row(escape_html(c.light_names[order[i]]), share);
     else
       rest.light += share.light, rest.error += share.error;
   }
@@ -313,9 +308,6 @@ std::string findings_section(const Comparison& c) {
   std::string items;
   for (const Finding& finding : c.findings)
     items += fmt::format("<li><b>{}</b> {}</li>\n", grouped(finding.count), escape_html(finding.text));
-  if (c.clipped_vertices > 0)
-    items += fmt::format("<li><b>{}</b> vertices are brighter than 1 and were clipped in the file</li>\n",
-                         grouped(c.clipped_vertices));
   if (c.seen_from_behind > 0)
     items += fmt::format("<li><b>{}</b> pixels show the side of a face that its normal is not on</li>\n",
                          grouped(c.seen_from_behind));

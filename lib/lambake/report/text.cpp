@@ -83,7 +83,8 @@ std::string short_number(double number) {
   const std::string sign = number < 0 ? "−" : "";
   const double size = std::abs(number);
   if (size == 0) return "0";
-  if (size < 1e-3 || size >= 1e5) return sign + fmt::format("{:.2g}", size);
+  if (size >= 1e4 && size < 1e15) return sign + grouped(static_cast<std::size_t>(std::llround(size)));
+  if (size < 1e-3 || size >= 1e15) return sign + fmt::format("{:.2g}", size);
   const int decimals = std::max(0, 2 - static_cast<int>(std::floor(std::log10(size))));
   std::string text = fmt::format("{:.{}f}", size, decimals);
   if (text.find('.') != std::string::npos) {
@@ -106,8 +107,9 @@ std::string percent(double share) {
 }
 
 std::string duration(double seconds) {
-  return seconds < 1 ? fmt::format("{} ms", short_number(std::round(seconds * 1e5) / 100))
-                     : fmt::format("{} s", short_number(seconds));
+  if (seconds < 1e-3) return short_number(std::round(seconds * 1e7) / 10) + " µs";
+  if (seconds < 1) return short_number(seconds * 1e3) + " ms";
+  return short_number(seconds) + " s";
 }
 
 }  // namespace lambake

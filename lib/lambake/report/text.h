@@ -17,8 +17,8 @@ std::string base64(std::string_view bytes);
 /// Whole numbers with a thin space between groups of three digits: 1 234 567.
 std::string grouped(std::size_t number);
 
-/// Three significant digits, without exponent from 0.001 up to 100,000: "0.0123", "12.3", "1.2e-05"; "∞" and
-/// "not a number" by name.
+/// Three significant digits, or whole and grouped from 10,000: "0.0123", "12.3", "12 346"; with an exponent
+/// below 0.001: "1.2e-05"; "∞" and "not a number" by name.
 std::string short_number(double number);
 
 /// A value on screen in steps of 1/255: "0.61/255".
@@ -27,7 +27,7 @@ std::string steps_of_255(double value);
 /// A share of 1 in percent: "12.3 %", "< 0.01 %" for what is above 0 and would round to it.
 std::string percent(double share);
 
-/// Seconds for people: "12.3 ms", "4.56 s".
+/// Seconds for people: "80 µs", "12.3 ms", "4.56 s".
 std::string duration(double seconds);
 
 }  // namespace lambake

@@ -1,0 +1,95 @@
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+
+#include "commands.h"
+#include "lambake/core/version.h"
+#include "lambake/io/output_file.h"
+#include "lambake/io/output_folder.h"
+#include "lambake/report/chart_report.h"
+#include "options.h"
+
+namespace lambake::tool {
+namespace {
+
+struct ChartCommand {
+  SceneOptions scene;
+  CameraOptions camera;
+  std::string folder;
+  std::vector<std::string> methods;
+  double budget_seconds = 60;
+};
+
+void write_text(const std::string& path, const std::string& text) {
+  OutputFile file(path);
+  file.write(text);
+  file.commit();
+}
+
+int chart_and_write(const ChartCommand& command, const std::string& command_line) {
+  Console console(command.scene.quiet);
+  Stopwatch stopwatch;
+  const LoadedScene loaded = load_scene(command.scene, console, stopwatch);
+  console.stage("measuring");
+  ChartRun run =
+      run_chart(loaded.file.scene, {.methods = command.methods,
+                                    .budget_seconds = command.budget_seconds,
+                                    .camera = choose_camera(command.camera, loaded.file.scene, {16, 9}),
+                                    .progress = console.progress()});
+  run.input = std::filesystem::path(command.scene.input).filename().string();
+  run.command = command_line;
+  run.version = version();
+  console.clear_bar();
+  for (const std::string& name : run.left_out)
+    console.note(fmt::format("{}: left out, the {} seconds of --budget-seconds are over", name,
+                             command.budget_seconds));
+
+  OutputFolder folder(command.folder);
+  constexpr double width = 1080, height = 640;
+  write_text(folder.file("chart.json"), chart_json(run));
+  write_text(folder.file("chart.csv"), chart_csv(run));
+  for (const auto& [name, chart] : {std::pair{"chart.svg", speed_chart(run)},
+                                    {"chart_bound.svg", bound_chart(run)},
+                                    {"chart_lights.svg", lights_chart(run)},
+                                    {"chart_vertices.svg", vertices_chart(run)}})
+    write_text(folder.file(name), chart_svg(chart, width, height, true));
+  write_text(folder.file("index.html"), chart_page(run));
+  folder.commit();
+
+  if (command.scene.json) {
+    fmt::print("{}", chart_json(run));
+  } else if (!command.scene.quiet) {
+    fmt::print("{:<28} {:>12} {:>12} {:>10} {:>10}\n", "method", "seconds", "vertices", "rmse/255",
+               "max/255");
+    for (const MethodRun& m : run.methods)
+      fmt::print("{:<28} {:>12.3g} {:>12} {:>10.3f} {:>10.3f}\n", m.label(), m.all_threads.median,
+                 group_digits(m.n_vertices), m.rmse * 255, m.max_bound * 255);
+    fmt::print("{}\n", (std::filesystem::path(command.folder) / "index.html").string());
+  }
+  return 0;
+}
+
+}  // namespace
+
+void add_chart_command(CLI::App& app, Run& run) {
+  auto command = std::make_shared<ChartCommand>();
+  CLI::App& sub = *app.add_subcommand("chart", "speed against accuracy: time and error of every method");
+  add_scene_options(sub, command->scene);
+  add_camera_options(sub, command->camera);
+  sub.remove_option(sub.get_option("--size"));  // The pictures have fixed sizes.
+  sub.add_option("-o,--output", command->folder, "folder to write into; made if it is not there")->required();
+  sub.add_option("--methods", command->methods,
+                 fmt::format("methods to measure, of {}; default: all", fmt::join(chart_methods(), ", ")))
+      ->delimiter(',')
+      ->check(CLI::IsMember(chart_methods()));
+  sub.add_option("--budget-seconds", command->budget_seconds, "nothing new is measured after this long")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  sub.footer("Example: lambake chart bunny.ply --sun 0.4,1,0.3 -o out/chart --budget-seconds 30");
+  sub.callback([command, &run] {
+    run = [command](const std::string& command_line) { return chart_and_write(*command, command_line); };
+  });
+}
+
+}  // namespace lambake::tool
