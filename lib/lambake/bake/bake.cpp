@@ -104,6 +104,8 @@ BakedColors bake(const Scene& scene, const BakeOptions& options) {
       baked.colors = sample_at_vertices(scene, scene.mesh);
       return baked;
     }
+    case BakeMethod::adaptive:
+      return bake_adaptive(scene, options);
   }
   throw InvalidOption("bake: unknown method");
 }

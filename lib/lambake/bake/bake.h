@@ -2,26 +2,31 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <vector>
 
 #include "lambake/core/color.h"
 #include "lambake/core/finding.h"
 #include "lambake/core/progress.h"
+#include "lambake/geometry/edge_cut.h"
 #include "lambake/scene/scene.h"
 
 namespace lambake {
 
 enum class BakeMethod {
-  face,    ///< One colour per face: the light at its centroid along its geometric normal.
-  sample,  ///< The light at the vertex: Gouraud.
+  face,      ///< One colour per face: the light at its centroid along its geometric normal.
+  sample,    ///< The light at the vertex: Gouraud.
+  adaptive,  ///< `sample` on the mesh cut where the error is, until it is nowhere above the tolerance.
 };
 
-/// A vertex that was made on the line between two earlier ones: value = (1 − t)·value[a] + t·value[b],
-/// for every attribute (normals are renormalised). 0 < t < 1.
-struct EdgeCut {
-  std::uint32_t a = 0, b = 0;
-  float t = 0.5f;
+/// What a method that cuts can promise of its result.
+struct Certificate {
+  bool is_certified = false;         ///< The bound is at most the tolerance on every triangle.
+  double max_bound = 0;              ///< The largest bound of a triangle; infinite if one has none.
+  std::size_t open_triangles = 0;    ///< With a bound above the tolerance.
+  double smallest_angle_before = 0;  ///< Radians, of the triangles with area.
+  double smallest_angle_after = 0;
 };
 
 /// Vertex colours and the mesh that they belong to.
@@ -36,11 +41,21 @@ struct BakedColors {
   std::vector<EdgeCut> cuts;
   /// F' indices of the scene's triangle that each triangle of `mesh` lies in; empty: the identity.
   std::vector<std::uint32_t> parent_triangles;
+  /// adaptive: what was reached.
+  std::optional<Certificate> certificate;
   Findings findings;
 };
 
 struct BakeOptions {
   BakeMethod method = BakeMethod::sample;
+  /// adaptive: the error |F − G| that no place and no channel may exceed; on screen 1 is white.
+  double tolerance = 1.0 / 255;
+  ErrorSpace tolerance_space = ErrorSpace::display;  ///< adaptive: where the tolerance is meant.
+  std::size_t max_vertices = 0;                      ///< adaptive: stops before it makes more; 0 is no limit.
+  double max_seconds = 0;                            ///< adaptive: stops cutting after this; 0 is no limit.
+  /// adaptive: what becomes of a colour in the output, so that what is certified is what is written; empty:
+  /// nothing.
+  std::function<LinearRgb(const LinearRgb&)> as_stored{};
   Progress progress{};
 };
 

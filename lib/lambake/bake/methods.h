@@ -13,4 +13,6 @@ std::vector<LinearRgb> sample_at_vertices(const Scene& scene, const Mesh& mesh);
 
 BakedColors bake_face(const Scene& scene);
 
+BakedColors bake_adaptive(const Scene& scene, const BakeOptions& options);
+
 }  // namespace lambake

@@ -6,16 +6,10 @@
 
 #include "lambake/core/color.h"
 #include "lambake/shading/enclosure.h"
+#include "lambake/shading/finish.h"
 #include "lambake/shading/patch.h"
 
 namespace lambake {
-
-/// The finish of a triangle where it varies: factors of the base colour and emission, each between two
-/// values.
-struct FinishRange {
-  glm::dvec3 base_low{1.0}, base_high{1.0}, emission_low{0.0}, emission_high{0.0};
-  bool is_unlit = false;
-};
 
 struct BoundOptions {
   ErrorSpace space = ErrorSpace::display;

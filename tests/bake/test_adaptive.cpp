@@ -1,0 +1,219 @@
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <map>
+#include <random>
+
+#include "lambake/bake/bake.h"
+#include "lambake/core/error.h"
+#include "lambake/core/parallel.h"
+#include "lambake/geometry/creases.h"
+#include "lambake/measure/bound.h"
+#include "lambake/measure/surface_error.h"
+#include "measure/scenes.h"
+
+namespace lambake {
+namespace {
+
+double area_of(const Mesh& mesh) {
+  double sum = 0;
+  for (const glm::uvec3& t : mesh.triangles) {
+    const glm::dvec3 p(mesh.positions[t[0]]);
+    sum += 0.5 * glm::length(
+                     glm::cross(glm::dvec3(mesh.positions[t[1]]) - p, glm::dvec3(mesh.positions[t[2]]) - p));
+  }
+  return sum;
+}
+
+using Point = std::array<float, 3>;
+Point point(const glm::vec3& p) {
+  return {p.x, p.y, p.z};
+}
+
+/// Sides of triangles by the positions of their ends, whatever vertices are there: how often each occurs.
+std::map<std::pair<Point, Point>, int> sides_of(const Mesh& mesh) {
+  std::map<std::pair<Point, Point>, int> sides;
+  for (const glm::uvec3& t : mesh.triangles)
+    for (int c = 0; c < 3; ++c) {
+      const Point a = point(mesh.positions[t[c]]), b = point(mesh.positions[t[(c + 1) % 3]]);
+      ++sides[std::minmax(a, b)];
+    }
+  return sides;
+}
+
+std::size_t n_open_sides(const Mesh& mesh) {
+  std::size_t n = 0;
+  for (const auto& [side, count] : sides_of(mesh)) n += count != 2;
+  return n;
+}
+
+BakedColors bake_adaptively(const Scene& scene, double tolerance = 1.0 / 255,
+                            ErrorSpace space = ErrorSpace::display) {
+  return bake(scene, {.method = BakeMethod::adaptive, .tolerance = tolerance, .tolerance_space = space});
+}
+
+TEST(Adaptive, SmallScenes_AreCertifiedAndMeasuredWithinTheTolerance) {
+  for (const NamedScene& s : small_scenes()) {
+    SCOPED_TRACE(s.name);
+    const BakedColors baked = bake_adaptively(s.scene);
+    ASSERT_TRUE(baked.certificate && baked.mesh);
+    EXPECT_TRUE(baked.certificate->is_certified);
+    EXPECT_LE(baked.certificate->max_bound, 1.0 / 255);
+    EXPECT_LE(surface_error(s.scene, baked, ErrorSpace::display).max_sampled, 1.0 / 255);
+    // The finished result bounded from outside: the same cuts, the colours as they are stored.
+    BoundOptions options;
+    options.accept = 1.0 / 255;
+    EXPECT_LE(surface_bound(s.scene, baked, options).max_bound, 1.0 / 255 + 1e-9);
+  }
+}
+
+TEST(Adaptive, SmallScenes_KeepTheSurfaceAndTheOriginalVertices) {
+  for (const NamedScene& s : small_scenes()) {
+    SCOPED_TRACE(s.name);
+    const Mesh& before = s.scene.mesh;
+    const BakedColors baked = bake_adaptively(s.scene);
+    const Mesh& after = *baked.mesh;
+    check_mesh(after, s.scene.materials.size());
+    EXPECT_NEAR(area_of(after), area_of(before), 1e-6 * area_of(before));
+    ASSERT_EQ(after.n_vertices(), before.n_vertices() + baked.cuts.size());
+    ASSERT_EQ(baked.colors.size(), after.n_vertices());
+    ASSERT_EQ(baked.parent_triangles.size(), after.n_triangles());
+    for (std::size_t v = 0; v < before.n_vertices(); ++v) {
+      EXPECT_EQ(after.positions[v], before.positions[v]);
+      EXPECT_EQ(after.normals[v], before.normals[v]);
+    }
+    for (std::size_t i = 0; i < baked.cuts.size(); ++i) {
+      const EdgeCut& cut = baked.cuts[i];
+      const std::size_t v = before.n_vertices() + i;
+      ASSERT_LT(std::max(cut.a, cut.b), v);
+      const glm::vec3 expected = glm::mix(after.positions[cut.a], after.positions[cut.b], cut.t);
+      EXPECT_LT(glm::length(after.positions[v] - expected), 1e-6f);
+      EXPECT_NEAR(glm::length(after.normals[v]), 1, 1e-6);
+    }
+    for (std::size_t f = 0; f < after.n_triangles(); ++f) {
+      const auto normal = [](const Mesh& mesh, const glm::uvec3& t) {
+        return glm::cross(mesh.positions[t[1]] - mesh.positions[t[0]],
+                          mesh.positions[t[2]] - mesh.positions[t[0]]);
+      };
+      EXPECT_GE(glm::dot(normal(after, after.triangles[f]),
+                         normal(before, before.triangles[baked.parent_triangles[f]])),
+                -1e-12f)
+          << "triangle " << f << " is turned over";
+    }
+  }
+}
+
+TEST(Adaptive, ClosedMeshes_StayClosedWithoutTJunctions) {
+  const Light lamp_near = lamp({0.9f, 1.2f, 0.5f}, {0.5f, 0.4f, 0.3f});
+  EXPECT_EQ(n_open_sides(*bake_adaptively(scene_of(icosphere(2), {sun({0.4f, 1, 0.3f}), lamp_near})).mesh),
+            0U);
+  // Creases: the copies of an edge on both sides have different normals and are cut together.
+  Mesh box = rounded_box(4);
+  split_creases(box, 0.6f);
+  ASSERT_GT(box.n_vertices(), rounded_box(4).n_vertices());
+  const BakedColors baked = bake_adaptively(scene_of(box, {sun({0.4f, 0.3f, 0.3f}), lamp_near}));
+  EXPECT_GT(baked.cuts.size(), 20U);
+  EXPECT_EQ(n_open_sides(*baked.mesh), 0U);
+}
+
+TEST(Adaptive, SphereUnderASunAndQuadUnderALamp_NeedFewTriangles) {
+  const std::size_t most[] = {800, 1500, 5500};
+  for (unsigned level = 2; level <= 4; ++level) {
+    const BakedColors baked = bake_adaptively(scene_of(icosphere(level), {sun({0.4f, 1, 0.3f})}));
+    EXPECT_TRUE(baked.certificate->is_certified);
+    EXPECT_LE(baked.mesh->n_triangles(), most[level - 2]);
+  }
+  const float bright = 0.0625f;  // 1 in the middle
+  const BakedColors quad = bake_adaptively(
+      scene_of(grid(1, 1), {lamp({0, 0.25f, 0}, {bright, bright, bright})}), 1.0 / 255, ErrorSpace::linear);
+  EXPECT_TRUE(quad.certificate->is_certified);
+  EXPECT_LE(quad.mesh->n_triangles(), 1600U);
+}
+
+TEST(Adaptive, FlatFacesUnderASun_AreNotCut) {
+  const BakedColors baked = bake_adaptively(scene_of(grid(4, 1), {sun({0.4f, 1, 0.3f})}));
+  EXPECT_TRUE(baked.cuts.empty());
+  EXPECT_EQ(baked.mesh->n_triangles(), 32U);
+}
+
+// A hundred weak suns add up to something smooth: no terminator matters.
+TEST(Adaptive, HundredWeakLights_DoNotShredTheMesh) {
+  std::mt19937 engine(3);
+  const auto coordinate = [&] { return static_cast<float>(engine()) / 2147483648.0f - 1; };
+  std::vector<Light> lights;
+  while (lights.size() < 100) {
+    const glm::vec3 d(coordinate(), std::abs(coordinate()), coordinate());
+    if (glm::length(d) > 0.1f) lights.push_back(sun(d, {0.02f, 0.02f, 0.02f}));
+  }
+  const BakedColors baked = bake_adaptively(scene_of(icosphere(3), lights), 2.0 / 255);
+  EXPECT_TRUE(baked.certificate->is_certified);
+  EXPECT_LT(baked.mesh->n_triangles(), 1500U);
+}
+
+TEST(Adaptive, MaxVertices_StopsThereAndSaysSo) {
+  const Scene scene = scene_of(icosphere(2), {sun({0.4f, 1, 0.3f})});
+  const BakedColors baked =
+      bake(scene, {.method = BakeMethod::adaptive, .tolerance = 1.0 / 255, .max_vertices = 200});
+  EXPECT_LE(baked.mesh->n_vertices(), 200U);
+  EXPECT_GT(baked.mesh->n_vertices(), scene.mesh.n_vertices());
+  EXPECT_FALSE(baked.certificate->is_certified);
+  EXPECT_GT(baked.certificate->open_triangles, 0U);
+  EXPECT_GE(baked.certificate->max_bound, surface_error(scene, baked, ErrorSpace::display).max_sampled);
+}
+
+TEST(Adaptive, StoredColours_AreWhatIsCertified) {
+  const Scene scene = scene_of(icosphere(2), {sun({0.4f, 1, 0.3f})});
+  const auto to_u8 = [](float x) { return std::round(std::clamp(x, 0.0f, 1.0f) * 255) / 255; };
+  const BakedColors baked = bake(
+      scene, {.method = BakeMethod::adaptive, .tolerance = 8.0 / 255, .as_stored = [&](const LinearRgb& c) {
+                return LinearRgb{to_u8(c.r), to_u8(c.g), to_u8(c.b)};
+              }});
+  for (const LinearRgb& c : baked.colors) EXPECT_EQ(c.r, to_u8(c.r));
+  EXPECT_TRUE(baked.certificate->is_certified);
+  EXPECT_LE(surface_error(scene, baked, ErrorSpace::display).max_sampled, 8.0 / 255);
+}
+
+TEST(Adaptive, LampOnTheSurface_EndsUncertified) {
+  Mesh mesh = grid(2, 1);
+  for (const glm::vec3& p : mesh.positions)
+    mesh.normals.push_back(glm::normalize(glm::vec3(0, 1, 0) - 0.4f * p));
+  const BakedColors baked = bake_adaptively(scene_of(mesh, {lamp({0.1f, 0, 0.3f}, {0.01f, 0.01f, 0.01f})}));
+  EXPECT_FALSE(baked.certificate->is_certified);
+  EXPECT_TRUE(std::isinf(baked.certificate->max_bound));
+  ASSERT_FALSE(baked.findings.empty());
+  EXPECT_EQ(baked.findings[0].code, "unbounded_triangles");
+}
+
+TEST(Adaptive, DefectsOfTheMesh_DoNotBreakIt) {
+  Mesh mesh = icosphere(1);
+  const auto n = static_cast<std::uint32_t>(mesh.n_vertices());
+  mesh.positions.push_back({NAN, 0, 0});
+  mesh.positions.push_back({5, 5, 5});
+  mesh.triangles.push_back({0, 1, n});
+  mesh.triangles.push_back({0, 1, 1});
+  mesh.triangles.push_back(mesh.triangles[0]);
+  mesh.normals.clear();
+  const BakedColors baked = bake_adaptively(scene_of(mesh, {sun({0.4f, 1, 0.3f})}));
+  EXPECT_TRUE(baked.certificate->is_certified);
+  EXPECT_FALSE(baked.cuts.empty());
+  EXPECT_EQ(bake_adaptively(scene_of(Mesh{}, {sun({0, 1, 0})})).mesh->n_triangles(), 0U);
+}
+
+TEST(Adaptive, NoTolerance_IsRefused) {
+  EXPECT_THROW(bake_adaptively(scene_of(icosphere(0), {}), 0), InvalidOption);
+}
+
+TEST(Adaptive, OneAndTwoThreads_GiveTheSameBytes) {
+  const Scene scene = scene_of(icosphere(3), {sun({0.4f, 1, 0.3f}), lamp({1.2f, 0.5f, 0})});
+  set_thread_count(1);
+  const BakedColors one = bake_adaptively(scene);
+  set_thread_count(0);
+  const BakedColors all = bake_adaptively(scene);
+  EXPECT_EQ(one.mesh->positions, all.mesh->positions);
+  EXPECT_EQ(one.mesh->triangles, all.mesh->triangles);
+  EXPECT_EQ(one.colors, all.colors);
+}
+
+}  // namespace
+}  // namespace lambake
