@@ -8,6 +8,7 @@
 
 #include "lambake/core/error.h"
 #include "lambake/core/parallel.h"
+#include "lambake/render/cull.h"
 #include "lambake/render/pixel_hits.h"
 #include "lambake/render/raster_setup.h"
 #include "lambake/render/raster_tile.h"
@@ -79,7 +80,8 @@ class VisibilityPass {
   void run() {
     vertices_.resize(mesh_.n_vertices());
     parallel_blocks(mesh_.n_vertices(), vertex_block, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t v = begin; v < end; ++v) vertices_[v] = screen_.vertex(mesh_.positions[v]);
+      project_vertices(screen_, std::span(mesh_.positions).subspan(begin, end - begin),
+                       std::span(vertices_).subspan(begin, end - begin));
     });
     bins_.resize((mesh_.n_triangles() + triangle_block - 1) / triangle_block);
     parallel_blocks(mesh_.n_triangles(), triangle_block, [&](std::size_t begin, std::size_t end) {
@@ -131,19 +133,20 @@ Bins VisibilityPass::bin_triangles(std::size_t begin, std::size_t end) const {
         ++bins.begin[static_cast<std::size_t>(row) * grid_.columns + static_cast<std::size_t>(column) + 2];
   };
 
-  for (std::size_t f = begin; f < end; ++f) {
-    const glm::uvec3& t = mesh_.triangles[f];
+  std::vector<std::uint32_t> candidates;
+  find_candidates(vertices_, mesh_.triangles, begin, end, candidates);
+  for (const std::uint32_t triangle : candidates) {
+    const glm::uvec3& t = mesh_.triangles[triangle];
     const ScreenVertex &a = vertices_[t[0]], &b = vertices_[t[1]], &c = vertices_[t[2]];
-    const std::uint32_t any = a.outcode | b.outcode | c.outcode;
-    if ((a.outcode & b.outcode & c.outcode & unseen_if_common) != 0 || (any & not_finite) != 0) continue;
-    const bool is_double_sided = scene_.materials[mesh_.material_of(f)].is_double_sided;
-    const std::uint32_t triangle = static_cast<std::uint32_t>(f);
+    const std::int32_t any = a.outcode | b.outcode | c.outcode;
+    const bool is_double_sided = scene_.materials[mesh_.material_of(triangle)].is_double_sided;
     if ((any & clipped_if_any) == 0) {
       place(a, b, c, triangle, is_double_sided);
       continue;
     }
     const std::size_t first = bins.pieces.size();
-    screen_.clip({mesh_.positions[t[0]], mesh_.positions[t[1]], mesh_.positions[t[2]]}, bins.pieces);
+    clip_triangle(screen_, {mesh_.positions[t[0]], mesh_.positions[t[1]], mesh_.positions[t[2]]},
+                  bins.pieces);
     bins.piece_triangles.resize(bins.pieces.size(), triangle);
     for (std::size_t i = first; i < bins.pieces.size(); ++i) {
       const auto& v = bins.pieces[i].v;
@@ -192,7 +195,7 @@ std::size_t VisibilityPass::draw_tile(std::size_t tile_index) const {
     const std::uint32_t y = static_cast<std::uint32_t>(tile.y + j);
     const std::size_t pixel = std::size_t{y} * out_.width + static_cast<std::size_t>(tile.x);
     const std::uint32_t* const row = tile.triangles.data() + static_cast<std::size_t>(j * tile_side);
-    hit_row(mesh_, screen_.view(), static_cast<std::uint32_t>(tile.x), y, row, tile_side, barycentrics.data(),
+    hit_row(mesh_, screen_.view, static_cast<std::uint32_t>(tile.x), y, row, tile_side, barycentrics.data(),
             depths.data());
     std::copy_n(row, width, out_.triangles.data() + pixel);
     std::copy_n(barycentrics.begin(), width, out_.barycentrics.data() + pixel);
@@ -219,7 +222,7 @@ void VisibilityPass::draw_with_masks(const ScreenTriangles& screen, std::span<co
 
 bool VisibilityPass::is_opaque_at(std::uint32_t triangle, std::uint32_t x, std::uint32_t y) const {
   const Material& material = scene_.materials[mesh_.material_of(triangle)];
-  const glm::vec2 b(hit(triangle, screen_.view().pixel_ray(x, y)).barycentrics);
+  const glm::vec2 b(hit(triangle, screen_.view.pixel_ray(x, y)).barycentrics);
   const glm::uvec3& t = mesh_.triangles[triangle];
   const auto interpolated = [&](const auto& values) {
     return values[t[0]] + b.x * (values[t[1]] - values[t[0]]) + b.y * (values[t[2]] - values[t[0]]);
