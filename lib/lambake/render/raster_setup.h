@@ -110,4 +110,14 @@ inline std::size_t first_index(const RasterSetup& setup, const Tile& tile) {
   return static_cast<std::size_t>(setup.y - tile.y) * tile_side + static_cast<std::size_t>(setup.x - tile.x);
 }
 
+/// Whether the pixel (i, j) of the box is covered, and how near the triangle is there.
+inline bool is_inside(const RasterSetup& setup, int i, int j) {
+  const auto at = [&](const EdgeSetup& edge) { return edge.e + edge.step_x * i + edge.step_y * j; };
+  return (at(setup.edges[0]) | at(setup.edges[1]) | at(setup.edges[2])) >= 0;
+}
+inline float nearness_at(const RasterSetup& setup, int i, int j) {
+  const float row = setup.nearness + setup.nearness_y * static_cast<float>(j);
+  return std::clamp(row + setup.nearness_x * static_cast<float>(i), setup.least, setup.most);
+}
+
 }  // namespace lambake

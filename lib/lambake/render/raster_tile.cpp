@@ -59,15 +59,34 @@ HWY_INLINE void raster_columns(const RasterSetup& setup, int begin, std::uint32_
   }
 }
 
+/// Few pixels, one by one: a vector's masked store would hold up the next triangle's load beside it.
+HWY_INLINE void raster_few_pixels(const RasterSetup& setup, std::uint32_t triangle, float* nearest,
+                                  std::uint32_t* triangles) {
+  for (int j = 0; j < setup.height; ++j, nearest += tile_side, triangles += tile_side)
+    for (int i = 0; i < setup.width; ++i) {
+      if (!is_inside(setup, i, j)) continue;
+      const float nearness = nearness_at(setup, i, j);
+      if (!(nearness > nearest[i])) continue;
+      nearest[i] = nearness;
+      triangles[i] = triangle;
+    }
+}
+
 void raster_entries(const ScreenTriangles& screen, std::span<const std::uint32_t> entries, Tile& tile) {
+  constexpr int few_pixels = 12;
   const int lanes = static_cast<int>(hn::Lanes(Floats()));
   for (const std::uint32_t entry : entries) {
     const RasterSetup setup = raster_setup(screen, entry, tile);
-    const std::size_t pixel = first_index(setup, tile);
+    if (setup.width == 0) continue;
     const std::uint32_t triangle = screen.triangle_of(entry);
+    float* const nearest = tile.nearness.data() + first_index(setup, tile);
+    std::uint32_t* const triangles = tile.triangles.data() + first_index(setup, tile);
+    if (setup.width * setup.height <= few_pixels) {
+      raster_few_pixels(setup, triangle, nearest, triangles);
+      continue;
+    }
     for (int begin = 0; begin < setup.width; begin += lanes)
-      raster_columns(setup, begin, triangle, tile.nearness.data() + pixel + begin,
-                     tile.triangles.data() + pixel + begin);
+      raster_columns(setup, begin, triangle, nearest + begin, triangles + begin);
   }
 }
 
@@ -97,18 +116,15 @@ void raster_tested_triangle(const ScreenTriangles& screen, std::uint32_t entry, 
   const std::uint32_t triangle = screen.triangle_of(entry);
   for (int j = 0; j < setup.height; ++j)
     for (int i = 0; i < setup.width; ++i) {
-      const std::size_t pixel = first_index(setup, tile) + static_cast<std::size_t>(j * tile_side + i);
-      bool is_inside = true;
-      for (const EdgeSetup& edge : setup.edges) is_inside &= edge.e + edge.step_x * i + edge.step_y * j >= 0;
-      const float row_nearness = setup.nearness + setup.nearness_y * static_cast<float>(j);
-      const float nearness =
-          std::clamp(row_nearness + setup.nearness_x * static_cast<float>(i), setup.least, setup.most);
-      if (!is_inside || !(nearness > tile.nearness[pixel])) continue;
+      const std::size_t at = first_index(setup, tile) + static_cast<std::size_t>(j * tile_side + i);
+      if (!is_inside(setup, i, j)) continue;
+      const float nearness = nearness_at(setup, i, j);
+      if (!(nearness > tile.nearness[at])) continue;
       if (!is_drawn(triangle, static_cast<std::uint32_t>(setup.x + i),
                     static_cast<std::uint32_t>(setup.y + j)))
         continue;
-      tile.nearness[pixel] = nearness;
-      tile.triangles[pixel] = triangle;
+      tile.nearness[at] = nearness;
+      tile.triangles[at] = triangle;
     }
 }
 

@@ -23,7 +23,7 @@ LinearRgb to_rgb(const glm::vec4& v) {
 /// Pixels that are shaded together, and what their colours are made from.
 struct ShadingBlock {
   PlaceBlock places;
-  std::array<LinearRgb, PlaceBlock::capacity> vertex_parts;  ///< Vertex colour ⊗ light.
+  std::array<LinearRgb, PlaceBlock::capacity> vertex_parts;  ///< Vertex colour ⊗ light; then the colours.
   std::array<LinearRgb, PlaceBlock::capacity> base_colors;   ///< Interpolated vertex colours, if any.
   std::array<glm::vec3, PlaceBlock::capacity> positions, normals;
 };
@@ -61,6 +61,10 @@ template <typename FindVertexParts>
 void shade(const Scene& scene, const Mesh& mesh, const Visibility& visibility,
            const FindVertexParts& find_vertex_parts, Picture& out) {
   constexpr std::size_t group = PlaceBlock::group;
+  // One material without textures and emission: no pixel needs to know its place for the rest.
+  const Material& first_material = scene.materials[0];
+  const bool needs_places = !mesh.materials.empty() || first_material.base_color_texture != no_texture ||
+                            first_material.emission != LinearRgb{};
   out.width = visibility.width;
   out.height = visibility.height;
   out.pixels.resize(visibility.triangles.size());
@@ -71,14 +75,19 @@ void shade(const Scene& scene, const Mesh& mesh, const Visibility& visibility,
       if (places.n_groups == 0) return;
       load_places(mesh, visibility, places);
       find_vertex_parts(block);
+      if (needs_places) {
+        for (std::size_t i = 0; i < places.n_places(); ++i)
+          block.vertex_parts[i] = outgoing(scene, mesh, places, i, block.vertex_parts[i]);
+      } else {
+        for (std::size_t i = 0; i < places.n_places(); ++i)
+          block.vertex_parts[i] = scene.materials[0].base_color * block.vertex_parts[i];
+      }
       for (std::size_t g = 0; g < places.n_groups; ++g) {
         const std::size_t first = places.first_pixels[g], n = std::min(group, end - first);
-        for (std::size_t lane = 0; lane < n; ++lane) {
-          const std::size_t i = g * group + lane;
-          out.pixels[first + lane] = visibility.triangles[first + lane] == no_triangle
-                                         ? background
-                                         : outgoing(scene, mesh, places, i, block.vertex_parts[i]);
-        }
+        const LinearRgb* const colors = block.vertex_parts.data() + g * group;
+        for (std::size_t lane = 0; lane < n; ++lane)
+          out.pixels[first + lane] =
+              visibility.triangles[first + lane] == no_triangle ? background : colors[lane];
       }
       places.n_groups = 0;
     };
