@@ -20,24 +20,32 @@ struct EdgeSetup {
   bool is_outside = false;              ///< Nowhere inside in the box.
 };
 
-inline EdgeSetup edge_over_box(const ScreenVertex& a, const ScreenVertex& b, std::int32_t x, std::int32_t y,
-                               int width, int height) {
+/// E / subpixels at the centre of pixel (x, y), the top-left rule in it: >= 0 is inside.
+inline std::int64_t edge_at(const ScreenVertex& a, const ScreenVertex& b, std::int32_t x, std::int32_t y) {
   const std::int64_t dx = std::int64_t(b.x) - a.x, dy = std::int64_t(b.y) - a.y;
   const std::int64_t px = std::int64_t(x) * subpixels + subpixels / 2;
   const std::int64_t py = std::int64_t(y) * subpixels + subpixels / 2;
   // Inside is E > 0, and on the edge itself (E = 0) if it is a top or a left one.
   const bool is_top_left = dy < 0 || (dy == 0 && dx > 0);
-  const std::int64_t e = (dx * (py - a.y) - dy * (px - a.x) - (is_top_left ? 0 : 1)) >> subpixel_bits;
-  const std::int64_t over_x = -dy * (width - 1), over_y = dx * (height - 1);
+  return (dx * (py - a.y) - dy * (px - a.x) - (is_top_left ? 0 : 1)) >> subpixel_bits;
+}
+
+inline EdgeSetup edge_over_box(const ScreenVertex& a, const ScreenVertex& b, std::int32_t x, std::int32_t y,
+                               int width, int height) {
+  const std::int64_t e = edge_at(a, b, x, y);
+  const std::int64_t step_x = std::int64_t(a.y) - b.y, step_y = std::int64_t(b.x) - a.x;
+  const std::int64_t over_x = step_x * (width - 1), over_y = step_y * (height - 1);
   const std::int64_t lowest = e + std::min<std::int64_t>(over_x, 0) + std::min<std::int64_t>(over_y, 0);
   const std::int64_t highest = e + std::max<std::int64_t>(over_x, 0) + std::max<std::int64_t>(over_y, 0);
-  EdgeSetup edge;
-  edge.is_outside = highest < 0;
-  if (lowest >= 0 || edge.is_outside) return edge;  // the same everywhere: e = 0 and no steps
-  edge.e = static_cast<std::int32_t>(e);
-  edge.step_x = static_cast<std::int32_t>(-dy);
-  edge.step_y = static_cast<std::int32_t>(dx);
-  return edge;
+  if (highest < 0) return {.is_outside = true};
+  if (lowest >= 0) return {};  // inside everywhere: e = 0 and no steps
+  return {static_cast<std::int32_t>(e), static_cast<std::int32_t>(step_x), static_cast<std::int32_t>(step_y)};
+}
+
+/// The same for a triangle of at most `few_pixels`, where 32 bits always do.
+inline EdgeSetup edge_over_few_pixels(const ScreenVertex& a, const ScreenVertex& b, std::int32_t x,
+                                      std::int32_t y) {
+  return {static_cast<std::int32_t>(edge_at(a, b, x, y)), a.y - b.y, b.x - a.x};
 }
 
 /// Pixels in a row or column whose centres lie between two places on the subpixel grid.
@@ -48,6 +56,9 @@ inline std::int32_t last_pixel(std::int32_t most) {
   return (most - subpixels / 2) >> subpixel_bits;
 }
 
+/// Boxes of at most this many pixels are drawn one by one.
+inline constexpr int few_pixels = 12;
+
 struct RasterSetup {
   std::int32_t x = 0, y = 0;  ///< First pixel of the box.
   int width = 0, height = 0;  ///< 0: nothing to draw.
@@ -56,6 +67,16 @@ struct RasterSetup {
   /// edge-on would leave by far at pixel centres, steep as it is.
   float nearness = 0, nearness_x = 0, nearness_y = 0, least = 0, most = 0;
 };
+
+/// Whether everything that is drawn already in a box of the tile is as near as `most`.
+inline bool is_hidden(float most, const Tile& tile, std::int32_t x, std::int32_t y, int width, int height) {
+  for (int j = 0; j < height; ++j) {
+    const float* const row = tile.nearness.data() + (y - tile.y + j) * tile_side + (x - tile.x);
+    for (int i = 0; i < width; ++i)
+      if (most > row[i]) return false;
+  }
+  return true;
+}
 
 /// The box is what of the triangle's own lies in the tile.
 inline RasterSetup raster_setup(const ScreenVertex& v0, const ScreenVertex& v1, const ScreenVertex& v2,
@@ -67,6 +88,10 @@ inline RasterSetup raster_setup(const ScreenVertex& v0, const ScreenVertex& v1, 
   const int height =
       std::min(last_pixel(std::max({v0.y, v1.y, v2.y})), tile.y + tile.height - 1) - setup.y + 1;
   if (width <= 0 || height <= 0) return setup;
+  const bool has_few_pixels = width * height <= few_pixels;
+  setup.least = std::min({v0.nearness, v1.nearness, v2.nearness});
+  setup.most = std::max({v0.nearness, v1.nearness, v2.nearness});
+  if (has_few_pixels && is_hidden(setup.most, tile, setup.x, setup.y, width, height)) return setup;
 
   const std::int64_t dx1 = std::int64_t(v1.x) - v0.x, dy1 = std::int64_t(v1.y) - v0.y;
   const std::int64_t dx2 = std::int64_t(v2.x) - v0.x, dy2 = std::int64_t(v2.y) - v0.y;
@@ -75,10 +100,18 @@ inline RasterSetup raster_setup(const ScreenVertex& v0, const ScreenVertex& v1, 
   const bool is_clockwise = twice_area > 0;  // as seen on the screen
   const ScreenVertex& second = is_clockwise ? v1 : v2;
   const ScreenVertex& third = is_clockwise ? v2 : v1;
-  setup.edges[0] = edge_over_box(v0, second, setup.x, setup.y, width, height);
-  setup.edges[1] = edge_over_box(second, third, setup.x, setup.y, width, height);
-  setup.edges[2] = edge_over_box(third, v0, setup.x, setup.y, width, height);
-  if (setup.edges[0].is_outside || setup.edges[1].is_outside || setup.edges[2].is_outside) return setup;
+  const std::int32_t extent = std::max(std::max({v0.x, v1.x, v2.x}) - std::min({v0.x, v1.x, v2.x}),
+                                       std::max({v0.y, v1.y, v2.y}) - std::min({v0.y, v1.y, v2.y}));
+  if (has_few_pixels && extent <= (few_pixels + 1) * subpixels) {
+    setup.edges[0] = edge_over_few_pixels(v0, second, setup.x, setup.y);
+    setup.edges[1] = edge_over_few_pixels(second, third, setup.x, setup.y);
+    setup.edges[2] = edge_over_few_pixels(third, v0, setup.x, setup.y);
+  } else {
+    setup.edges[0] = edge_over_box(v0, second, setup.x, setup.y, width, height);
+    setup.edges[1] = edge_over_box(second, third, setup.x, setup.y, width, height);
+    setup.edges[2] = edge_over_box(third, v0, setup.x, setup.y, width, height);
+    if (setup.edges[0].is_outside || setup.edges[1].is_outside || setup.edges[2].is_outside) return setup;
+  }
   setup.width = width;
   setup.height = height;
 
@@ -91,8 +124,6 @@ inline RasterSetup raster_setup(const ScreenVertex& v0, const ScreenVertex& v1, 
   setup.nearness = static_cast<float>(double(v0.nearness) + slope_x * from_v0_x + slope_y * from_v0_y);
   setup.nearness_x = static_cast<float>(slope_x);
   setup.nearness_y = static_cast<float>(slope_y);
-  setup.least = std::min({v0.nearness, v1.nearness, v2.nearness});
-  setup.most = std::max({v0.nearness, v1.nearness, v2.nearness});
   return setup;
 }
 

@@ -73,7 +73,6 @@ HWY_INLINE void raster_few_pixels(const RasterSetup& setup, std::uint32_t triang
 }
 
 void raster_entries(const ScreenTriangles& screen, std::span<const std::uint32_t> entries, Tile& tile) {
-  constexpr int few_pixels = 12;
   const int lanes = static_cast<int>(hn::Lanes(Floats()));
   for (const std::uint32_t entry : entries) {
     const RasterSetup setup = raster_setup(screen, entry, tile);

@@ -126,7 +126,7 @@ void clip_polygon(std::vector<ClipPoint>& polygon, std::vector<ClipPoint>& scrat
 }
 
 ScreenVertex snapped(const ViewTransform& view, const ClipPoint& point) {
-  ScreenVertex v;
+  ScreenVertex v{};
   v.x = static_cast<std::int32_t>(std::floor(point.x / point.w * subpixels + 0.5));
   v.y = static_cast<std::int32_t>(std::floor(point.y / point.w * subpixels + 0.5));
   v.nearness = static_cast<float>(view.is_perspective ? 1 / point.depth : -point.depth);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
 
 #include "lambake/core/error.h"
 #include "lambake/core/parallel.h"
@@ -20,7 +21,7 @@ namespace {
 
 constexpr std::size_t vertex_block = 8192;
 constexpr std::size_t triangle_block = 16384;
-constexpr std::size_t max_triangles = std::size_t{1} << 29;  // 3·index fits 31 bits
+constexpr std::size_t max_count = std::size_t{1} << 29;  // 4·index fits 31 bits
 
 /// The triangles of one block that may touch each tile.
 struct Bins {
@@ -78,10 +79,11 @@ class VisibilityPass {
   }
 
   void run() {
-    vertices_.resize(mesh_.n_vertices());
+    memory_ = std::make_unique_for_overwrite<ScreenVertex[]>(mesh_.n_vertices());
+    vertices_ = {memory_.get(), mesh_.n_vertices()};
     parallel_blocks(mesh_.n_vertices(), vertex_block, [&](std::size_t begin, std::size_t end) {
       project_vertices(screen_, std::span(mesh_.positions).subspan(begin, end - begin),
-                       std::span(vertices_).subspan(begin, end - begin));
+                       vertices_.subspan(begin, end - begin));
     });
     bins_.resize((mesh_.n_triangles() + triangle_block - 1) / triangle_block);
     parallel_blocks(mesh_.n_triangles(), triangle_block, [&](std::size_t begin, std::size_t end) {
@@ -110,8 +112,9 @@ class VisibilityPass {
   TileGrid grid_;
   Visibility& out_;
   bool has_masks_ = false;
-  std::vector<ScreenVertex> vertices_;  ///< V.
-  std::vector<Bins> bins_;              ///< One per block of triangles.
+  std::unique_ptr<ScreenVertex[]> memory_;  ///< V.
+  std::span<ScreenVertex> vertices_;        ///< `memory_`.
+  std::vector<Bins> bins_;                  ///< One per block of triangles.
 };
 
 Bins VisibilityPass::bin_triangles(std::size_t begin, std::size_t end) const {
@@ -261,9 +264,9 @@ void find_visibility(const Scene& scene, const Mesh& mesh, const Camera& camera,
   if (width == 0 || height == 0 || width > max_picture_side || height > max_picture_side)
     throw InvalidOption(
         fmt::format("picture: expected 1 to {} pixels a side, found {}x{}", max_picture_side, width, height));
-  if (mesh.n_triangles() >= max_triangles)
-    throw InvalidScene(
-        fmt::format("render: expected less than {} triangles, found {}", max_triangles, mesh.n_triangles()));
+  if (mesh.n_triangles() >= max_count || mesh.n_vertices() >= max_count)
+    throw InvalidScene(fmt::format("render: expected less than {} triangles and vertices, found {} and {}",
+                                   max_count, mesh.n_triangles(), mesh.n_vertices()));
   check_camera(camera);
   const std::size_t n = std::size_t{width} * height;
   out.width = width;
