@@ -46,7 +46,7 @@ TEST(ReportPage, NamesOfTheUser_AreTextAndValidUtf8) {
 
 TEST(ReportPage, Headline_SaysWhatTheNumbersSay) {
   Comparison c = small_comparison();
-  EXPECT_NE(headline(c).find("lighting shows"), std::string::npos) << headline(c);
+  EXPECT_NE(headline(c).find("difference is visible"), std::string::npos) << headline(c);
   EXPECT_NE(headline(c).find("20.7/255"), std::string::npos) << headline(c);
 
   c.image_display.pixels_over_1_255 = 0;

@@ -40,7 +40,7 @@ std::string verdict(const Comparison& c) {
         steps_of_255(largest));
   if (image.pixels == 0)
     return fmt::format(
-        "Per-vertex lighting shows: it differs from per-pixel lighting by up to {} on the surface; "
+        "The difference is visible: per-vertex and per-pixel lighting are up to {} apart on the surface; "
         "the picture does not show the model.",
         steps_of_255(largest));
   if (image.pixels_over_1_255 == 0)
@@ -49,8 +49,8 @@ std::string verdict(const Comparison& c) {
         "per-pixel lighting by up to {}.",
         steps_of_255(largest));
   return fmt::format(
-      "Per-vertex lighting shows: {} of the pixels differ from per-pixel lighting by more than "
-      "1/255, the worst place by {}.",
+      "The difference is visible: {} of the pixels lit per vertex are more than 1/255 away from per-pixel "
+      "lighting, the worst place by {}.",
       percent(over), steps_of_255(largest));
 }
 
@@ -90,60 +90,106 @@ std::string header(const Comparison& c) {
   return html + "</ul>\n" + tiles(c);
 }
 
-std::string slider_section(const Comparison& c) {
+/// A rectangle of pixels.
+struct Part {
+  std::uint32_t x = 0, y = 0, width = 0, height = 0;
+};
+
+Picture crop(const Picture& picture, const Part& part) {
+  Picture out{part.width, part.height, {}};
+  out.pixels.reserve(static_cast<std::size_t>(part.width) * part.height);
+  for (std::uint32_t row = part.y; row < part.y + part.height; ++row) {
+    const auto begin = picture.pixels.begin() + static_cast<std::ptrdiff_t>(row) * picture.width + part.x;
+    out.pixels.insert(out.pixels.end(), begin, begin + part.width);
+  }
+  return out;
+}
+
+/// The interval of `length` around `[low, high]`, moved and shortened into [0, end).
+std::pair<std::uint32_t, std::uint32_t> interval(std::uint32_t low, std::uint32_t high, std::uint32_t length,
+                                                 std::uint32_t end) {
+  length = std::min(length, end);
+  const std::uint32_t middle = (low + high) / 2;
+  const std::uint32_t begin = std::min(middle - std::min(middle, length / 2), end - length);
+  return {begin, length};
+}
+
+/// The part of the picture that the model covers with a little around it, not narrower than 4:3: most of an
+/// automatically framed picture is background.
+Part covered_part(const Visibility& visibility) {
+  std::uint32_t x0 = visibility.width, y0 = visibility.height, x1 = 0, y1 = 0;
+  for (std::size_t i = 0; i < visibility.triangles.size(); ++i) {
+    if (visibility.triangles[i] == no_triangle) continue;
+    const auto x = static_cast<std::uint32_t>(i % visibility.width),
+               y = static_cast<std::uint32_t>(i / visibility.width);
+    x0 = std::min(x0, x), x1 = std::max(x1, x), y0 = std::min(y0, y), y1 = std::max(y1, y);
+  }
+  if (x0 > x1) return {0, 0, visibility.width, visibility.height};
+  const std::uint32_t border = std::max(x1 - x0, y1 - y0) / 12 + 2;
+  const auto [y, height] = interval(y0, y1, y1 - y0 + 2 * border, visibility.height);
+  const auto [x, width] = interval(x0, x1, std::max(x1 - x0 + 2 * border, height * 4 / 3), visibility.width);
+  return {x, y, width, height};
+}
+
+/// What the sections share: the differences of the first view, their scale, the part that is shown, the worst
+/// pixels.
+struct Differences {
+  double scale = 0;
+  Picture map;  ///< Whole.
+  Part shown;
+  std::uint32_t zoom_size = 0;  ///< Pixels a side.
+  std::vector<WorstPixel> worst;
+};
+
+Differences find_differences(const Comparison& c) {
+  Differences d;
+  const std::vector<float> values = screen_difference(c.per_vertex, c.per_fragment, c.visibility);
+  d.scale = scale_of(values, c.visibility);
+  d.map = color_difference(values, c.visibility, d.scale);
+  d.shown = covered_part(c.visibility);
+  d.zoom_size = std::min({48U, c.per_vertex.width, c.per_vertex.height});
+  d.worst = worst_pixels(values, c.per_vertex.width, 4, d.zoom_size);
+  return d;
+}
+
+std::string slider_section(const Comparison& c, const Part& shown) {
   return fmt::format(
       R"(<section class="slider" aria-labelledby="pictures">
 <h2 id="pictures">The two pictures</h2>
 <figure>
-<div class="stage" style="aspect-ratio: {width} / {height}">
+<div class="viewer" style="--w: {width}; --h: {height}">
+<div class="stage">
 <img class="left" data-layer="vertex" data-name="per vertex" width="{width}" height="{height}" draggable="false" alt="{input} with the light computed at its vertices and interpolated" src="{vertex}">
 <img class="right" data-layer="fragment" data-name="per pixel" width="{width}" height="{height}" draggable="false" alt="{input} with the light computed at every pixel" src="{fragment}">
 <img data-layer="difference" data-name="difference" width="{width}" height="{height}" draggable="false" alt="" hidden>
 </div>
 <div class="tags" aria-hidden="true"><span class="tag-left">per vertex</span><span class="tag-right">per pixel</span></div>
 <input type="range" min="0" max="100" step="0.5" value="50" aria-label="Line between the two pictures">
+</div>
 <fieldset class="choices" hidden>
 <legend>Compare</legend>
 <label><input type="radio" name="pair" data-left="vertex" data-right="fragment" checked>per vertex and per pixel</label>
 <label><input type="radio" name="pair" data-left="vertex" data-right="difference">per vertex and difference</label>
 <label><input type="radio" name="pair" data-left="fragment" data-right="difference">per pixel and difference</label>
 </fieldset>
-<figcaption>The same view twice. Left of the line the light was computed at the vertices and interpolated, right of it it was computed at every pixel. Drag the line, or use the arrow keys on the slider.</figcaption>
+<figcaption>The same view, lit twice: at the vertices and interpolated between them, and at every pixel. <span class="screen">Drag the line, or use the arrow keys on the slider.</span></figcaption>
 </figure>
 </section>
 )",
-      fmt::arg("width", c.per_vertex.width), fmt::arg("height", c.per_vertex.height),
-      fmt::arg("input", escape_html(c.input)), fmt::arg("vertex", data_uri(c.per_vertex)),
-      fmt::arg("fragment", data_uri(c.per_fragment)));
-}
-
-/// What the sections below the slider share: the differences of the first view, their scale, the worst
-/// pixels.
-struct Differences {
-  std::vector<float> values;  ///< W·H.
-  double scale = 0;
-  std::uint32_t crop_size = 0;  ///< Pixels a side of the zooms.
-  std::vector<WorstPixel> worst;
-};
-
-Differences find_differences(const Comparison& c) {
-  Differences d;
-  d.values = screen_difference(c.per_vertex, c.per_fragment, c.visibility);
-  d.scale = scale_of(d.values, c.visibility);
-  d.crop_size = std::min({48U, c.per_vertex.width, c.per_vertex.height});
-  d.worst = worst_pixels(d.values, c.per_vertex.width, 4, d.crop_size);
-  return d;
+      fmt::arg("width", shown.width), fmt::arg("height", shown.height),
+      fmt::arg("input", escape_html(c.input)), fmt::arg("vertex", data_uri(crop(c.per_vertex, shown))),
+      fmt::arg("fragment", data_uri(crop(c.per_fragment, shown))));
 }
 
 std::string difference_section(const Comparison& c, const Differences& differences) {
-  const Picture map = color_difference(differences.values, c.visibility, differences.scale);
+  const Part& shown = differences.shown;
   std::string marks;
   for (std::size_t i = 0; i < differences.worst.size(); ++i)
     marks += fmt::format(
         "<a class=\"mark\" href=\"#zoom-{0}\" aria-label=\"Zoom {0}\" "
         "style=\"left:{1:.3f}%;top:{2:.3f}%\">{0}</a>\n",
-        i + 1, 100 * (differences.worst[i].x + 0.5) / map.width,
-        100 * (differences.worst[i].y + 0.5) / map.height);
+        i + 1, 100 * (differences.worst[i].x - shown.x + 0.5) / shown.width,
+        100 * (differences.worst[i].y - shown.y + 0.5) / shown.height);
   return fmt::format(
       R"(<section class="columns" aria-label="The difference">
 <figure>
@@ -159,45 +205,32 @@ std::string difference_section(const Comparison& c, const Differences& differenc
 </figure>
 </section>
 )",
-      fmt::arg("width", map.width), fmt::arg("height", map.height),
-      fmt::arg("scale", steps_of_255(differences.scale)), fmt::arg("map", data_uri(map)),
-      fmt::arg("marks", marks), fmt::arg("gradient", diverging_gradient_css()),
+      fmt::arg("width", shown.width), fmt::arg("height", shown.height),
+      fmt::arg("scale", steps_of_255(differences.scale)),
+      fmt::arg("map", data_uri(crop(differences.map, shown))), fmt::arg("marks", marks),
+      fmt::arg("gradient", diverging_gradient_css()),
       fmt::arg("histogram", histogram_svg(c.image_display.histogram)),
       fmt::arg("over", grouped(c.image_display.pixels_over_1_255)),
       fmt::arg("pixels", grouped(c.image_display.pixels)));
 }
 
-/// `size`×`size` pixels of `picture` from (x, y).
-Picture crop(const Picture& picture, std::uint32_t x, std::uint32_t y, std::uint32_t size) {
-  Picture part{size, size, {}};
-  part.pixels.reserve(static_cast<std::size_t>(size) * size);
-  for (std::uint32_t row = y; row < y + size; ++row) {
-    const auto begin = picture.pixels.begin() + static_cast<std::ptrdiff_t>(row) * picture.width + x;
-    part.pixels.insert(part.pixels.end(), begin, begin + size);
-  }
-  return part;
-}
-
 std::string zooms_section(const Comparison& c, const Differences& differences) {
   if (differences.worst.empty()) return {};
-  const std::uint32_t size = differences.crop_size;
-  const Picture map = color_difference(differences.values, c.visibility, differences.scale);
+  const std::uint32_t size = differences.zoom_size;
   std::string html =
       "<section aria-labelledby=\"zooms\">\n<h2 id=\"zooms\">The worst places of the picture, enlarged</h2>\n"
       "<div class=\"columns\">\n";
   for (std::size_t i = 0; i < differences.worst.size(); ++i) {
     const WorstPixel& worst = differences.worst[i];
-    const auto origin = [size](std::uint32_t at, std::uint32_t length) {
-      return std::min(at - std::min(at, size / 2), length - size);
-    };
-    const std::uint32_t x = origin(worst.x, map.width), y = origin(worst.y, map.height);
+    const Part part{interval(worst.x, worst.x, size, differences.map.width).first,
+                    interval(worst.y, worst.y, size, differences.map.height).first, size, size};
     html += fmt::format("<figure class=\"zoom\" id=\"zoom-{}\">\n<div class=\"crops\">\n", i + 1);
     for (const auto& [name, picture] : {std::pair<const char*, const Picture*>{"per vertex", &c.per_vertex},
                                         {"per pixel", &c.per_fragment},
-                                        {"difference", &map}})
+                                        {"difference", &differences.map}})
       html += fmt::format(
           "<div><img width=\"{0}\" height=\"{0}\" alt=\"Zoom {1}, {2}\" src=\"{3}\"><span>{2}</span></div>\n",
-          size, i + 1, name, data_uri(crop(*picture, x, y, size)));
+          size, i + 1, name, data_uri(crop(*picture, part)));
     html += fmt::format(
         "</div>\n<figcaption><b>{}</b> Per vertex is {} by <b>{}</b> at column {}, row "
         "{}.</figcaption>\n</figure>\n",
@@ -333,8 +366,9 @@ std::string times(const Comparison& c) {
 std::string report_page(const Comparison& c) {
   const Differences differences = find_differences(c);
   return page_frame(c.input + " · lambake compare", header(c),
-                    slider_section(c) + difference_section(c, differences) + zooms_section(c, differences) +
-                        numbers_section(c) + lights_section(c) + worst_section(c) + findings_section(c) +
+                    slider_section(c, differences.shown) + difference_section(c, differences) +
+                        zooms_section(c, differences) + numbers_section(c) + lights_section(c) +
+                        worst_section(c) + findings_section(c) +
                         made_section(c.command, c.version, times(c)));
 }
 
