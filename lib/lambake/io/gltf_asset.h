@@ -20,6 +20,7 @@ struct PlacedPrimitive {
   std::uint32_t n_accessor_vertices = 0;
   std::uint32_t source_begin = 0;  ///< Mesh::source_vertices of accessor vertex i is source_begin + i.
   std::uint32_t triangle_begin = 0, triangle_end = 0;
+  bool is_mirrored = false;  ///< Its triangles are wound the other way than in the file.
 };
 
 struct GltfAsset {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstring>
 #include <filesystem>
 #include <limits>
 
@@ -73,6 +74,32 @@ void write_gltf_and_bin(const std::string& path, GltfDocument& document) {
 }
 
 }  // namespace
+
+IndexElements::IndexElements(const std::vector<glm::uvec3>& triangles, std::size_t n_vertices)
+    : count_(3 * triangles.size()) {
+  // 65535 is kept free: it restarts primitives on some hardware.
+  const bool is_short = n_vertices <= std::numeric_limits<std::uint16_t>::max();
+  component_type_ = is_short ? gltf::unsigned_short : gltf::unsigned_int;
+  bytes_.resize(count_ * (is_short ? 2 : 4));
+  unsigned char* to = bytes_.data();
+  for (const glm::uvec3& t : triangles)
+    for (int c = 0; c < 3; ++c) {
+      const auto index16 = static_cast<std::uint16_t>(t[c]);
+      const std::uint32_t index32 = t[c];
+      if (is_short)
+        std::memcpy(to, &index16, 2), to += 2;
+      else
+        std::memcpy(to, &index32, 4), to += 4;
+    }
+}
+
+GltfElements IndexElements::elements() const {
+  return {.bytes = bytes_,
+          .count = count_,
+          .component_type = component_type_,
+          .type = "SCALAR",
+          .target = gltf::element_array_buffer};
+}
 
 std::size_t append_to(GltfJson& json, const char* key, GltfJson value) {
   GltfJson& array = json[key];

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <glm/glm.hpp>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <string>
@@ -35,6 +36,18 @@ struct GltfElements {
   bool is_normalized = false;
   int target = gltf::array_buffer;  ///< 0: none.
   bool is_strided = false;          ///< The elements are padded: the view says its stride.
+};
+
+/// Triangles as indices: of 16 bits where the vertices allow it, else of 32.
+class IndexElements {
+ public:
+  IndexElements(const std::vector<glm::uvec3>& triangles, std::size_t n_vertices);
+  GltfElements elements() const;
+
+ private:
+  std::vector<unsigned char> bytes_;
+  std::size_t count_;
+  int component_type_;
 };
 
 /// Appends bytes, 4-aligned, with a buffer view; returns the view's index.

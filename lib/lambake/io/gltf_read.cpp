@@ -118,6 +118,7 @@ class SceneReader {
     placed.vertex_begin = static_cast<std::uint32_t>(mesh.n_vertices());
     placed.n_accessor_vertices = static_cast<std::uint32_t>(n);
     placed.source_begin = n_source_vertices_;
+    placed.is_mirrored = vertices.is_mirrored;
     placed.triangle_begin = static_cast<std::uint32_t>(mesh.n_triangles());
     mesh.positions.insert(mesh.positions.end(), vertices.positions.begin(), vertices.positions.end());
     mesh.normals.insert(mesh.normals.end(), vertices.normals.begin(), vertices.normals.end());

@@ -1,5 +1,7 @@
 #include "lambake/io/gltf_write.h"
 
+#include "lambake/core/error.h"
+
 namespace lambake {
 
 bool can_fold_emission(const Material& material) {
@@ -19,6 +21,10 @@ void tell_storage(Findings& findings, std::size_t clipped, std::size_t negative)
 
 WrittenColors write_gltf_file(const std::string& path, const SceneFile& file, const BakedColors& baked,
                               const GltfWriteOptions& options) {
+  if (options.attribute != "COLOR_0" && !options.attribute.starts_with("_"))
+    throw InvalidOption("attribute: expected COLOR_0 or a name that begins with _, found " +
+                        options.attribute);
+  if (file.asset) return write_gltf_asset(path, *file.asset, file.scene, baked, options);
   return write_new_gltf(path, file.scene, baked, options);
 }
 

@@ -12,6 +12,10 @@ namespace lambake {
 WrittenColors write_new_gltf(const std::string& path, const Scene& scene, const BakedColors& baked,
                              const GltfWriteOptions& options);
 
+/// The asset as it was read, with its light added. `baked` is of `scene`, which was read with the asset.
+WrittenColors write_gltf_asset(const std::string& path, const GltfAsset& asset, const Scene& scene,
+                               const BakedColors& baked, const GltfWriteOptions& options);
+
 /// Whether an unlit material can show the emission as a part of its vertex colours: base ⊗ c = base ⊗ E + Le
 /// needs a base colour that is the same all over the surface and nowhere 0 where there is emission.
 bool can_fold_emission(const Material& material);

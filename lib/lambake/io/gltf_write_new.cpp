@@ -139,7 +139,9 @@ class NewAsset {
             append_accessor(document, {.bytes = bytes_of(texcoords), .count = n, .type = "VEC2"});
       }
     attributes[options_.attribute] = write_colors(document, part);
-    return {{"attributes", std::move(attributes)}, {"indices", write_indices(document, part)}};
+    const IndexElements indices(part.triangles, part.vertices.size());
+    return {{"attributes", std::move(attributes)},
+            {"indices", append_accessor(document, indices.elements())}};
   }
 
   std::size_t write_colors(GltfDocument& document, const Part& part) {
@@ -167,23 +169,6 @@ class NewAsset {
     written_.clipped_vertices += encoded.clipped;
     negative_ += encoded.negative;
     return append_accessor(document, encoded.elements());
-  }
-
-  static std::size_t write_indices(GltfDocument& document, const Part& part) {
-    const std::size_t n = 3 * part.triangles.size();
-    GltfElements elements{.count = n, .type = "SCALAR", .target = gltf::element_array_buffer};
-    if (part.vertices.size() > std::numeric_limits<std::uint16_t>::max()) {
-      elements.component_type = gltf::unsigned_int;
-      elements.bytes = bytes_of(part.triangles);
-      return append_accessor(document, elements);
-    }
-    std::vector<std::uint16_t> indices;  // 65535 is kept free: it restarts primitives on some hardware.
-    indices.reserve(n);
-    for (const glm::uvec3& t : part.triangles)
-      for (int c = 0; c < 3; ++c) indices.push_back(static_cast<std::uint16_t>(t[c]));
-    elements.component_type = gltf::unsigned_short;
-    elements.bytes = bytes_of(indices);
-    return append_accessor(document, elements);
   }
 
   /// Base colour and emission are in the vertex colours: only the texture is left to the material.

@@ -1,0 +1,91 @@
+#include "lambake/io/gltf_merge.h"
+
+#include <string_view>
+
+#include "lambake/io/gltf_source.h"
+
+namespace lambake {
+namespace {
+
+constexpr const char* meshopt = "EXT_meshopt_compression";
+
+/// Views may hold any component type: buffers begin at multiples of 8.
+std::size_t aligned(std::size_t n_bytes) {
+  return (n_bytes + 7) / 8 * 8;
+}
+
+/// Where the bytes of each buffer went.
+struct Moved {
+  std::size_t buffer = 0, offset = 0;
+};
+
+void move(GltfJson& holder, const std::vector<Moved>& moved) {
+  const Moved& to = moved[holder["buffer"].get<std::size_t>()];
+  holder["buffer"] = to.buffer;
+  if (to.offset == 0) return;
+  const GltfJson& offset = member(holder, "byteOffset");
+  holder["byteOffset"] = to.offset + (offset.is_null() ? 0 : offset.get<std::size_t>());
+}
+
+std::string mime_type_of(const std::vector<unsigned char>& bytes) {
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  if (text.starts_with("\x89PNG")) return "image/png";
+  if (text.starts_with("\xFF\xD8")) return "image/jpeg";
+  return "";
+}
+
+void embed_images(const GltfAsset& asset, GltfDocument& document, Findings& findings) {
+  std::size_t n_missing = 0;
+  for (std::size_t i = 0; i < asset.model.images.size(); ++i) {
+    GltfJson& image = document.json["images"][i];
+    const GltfJson& uri = member(image, "uri");
+    if (!uri.is_string() || uri.get_ref<const std::string&>().starts_with("data:")) continue;
+    const std::vector<unsigned char>& bytes = asset.model.images[i].image;
+    const std::string mime_type = mime_type_of(bytes);
+    if (mime_type.empty()) {
+      ++n_missing;
+      continue;
+    }
+    image.erase("uri");
+    image["mimeType"] = mime_type;
+    image["bufferView"] = append_view(document, bytes, 0, 0);
+  }
+  add_finding(findings, "images_not_embedded", n_missing,
+              "images are missing or neither PNG nor JPEG; the written file names them where the input did");
+}
+
+}  // namespace
+
+void merge_buffers(const GltfAsset& asset, GltfDocument& document, Findings& findings) {
+  GltfJson& json = document.json;
+  std::vector<Moved> moved(asset.n_file_buffers);
+  GltfJson first, rest = GltfJson::array();
+  for (std::size_t i = 0; i < asset.n_file_buffers; ++i) {
+    GltfJson buffer = json["buffers"][i];
+    const bool has_bytes = member(member(buffer, "extensions"), meshopt).is_null() ||
+                           buffer.contains("uri") || (i == 0 && asset.is_glb);
+    if (!has_bytes) {
+      rest.push_back(std::move(buffer));
+      moved[i].buffer = rest.size();
+      continue;
+    }
+    const std::vector<unsigned char>& bytes = asset.model.buffers[i].data;
+    moved[i].offset = document.bin.empty() ? 0 : aligned(document.bin.size());
+    document.bin.resize(moved[i].offset);
+    document.bin.insert(document.bin.end(), bytes.begin(), bytes.end());
+    buffer.erase("uri");
+    if (first.is_null()) first = std::move(buffer);
+  }
+  if (asset.n_file_buffers > 0) {
+    json["buffers"] = GltfJson::array({first.is_null() ? GltfJson::object() : first});
+    for (GltfJson& buffer : rest) json["buffers"].push_back(std::move(buffer));
+    if (json.contains("bufferViews"))
+      for (GltfJson& view : json["bufferViews"]) {
+        move(view, moved);
+        if (!member(member(view, "extensions"), meshopt).is_null()) move(view["extensions"][meshopt], moved);
+      }
+  }
+  embed_images(asset, document, findings);
+}
+
+}  // namespace lambake

@@ -1,0 +1,301 @@
+#include "lambake/io/gltf_rewrite.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <string_view>
+
+#include "lambake/io/gltf_accessor.h"
+#include "lambake/io/gltf_source.h"
+
+namespace lambake {
+namespace {
+
+std::span<const unsigned char> bytes_of(const std::vector<float>& values) {
+  return {reinterpret_cast<const unsigned char*>(values.data()), values.size() * sizeof(float)};
+}
+
+/// Final triangles of each placed primitive, in order.
+std::vector<std::vector<std::uint32_t>> triangles_by_primitive(const GltfAsset& asset, const Mesh& mesh,
+                                                               const BakedColors& baked) {
+  std::vector<std::vector<std::uint32_t>> triangles(asset.placed.size());
+  for (std::uint32_t f = 0; f < mesh.n_triangles(); ++f) {
+    const std::uint32_t parent = baked.parent_triangles.empty() ? f : baked.parent_triangles[f];
+    const auto after =
+        std::upper_bound(asset.placed.begin(), asset.placed.end(), parent,
+                         [](std::uint32_t t, const PlacedPrimitive& p) { return t < p.triangle_end; });
+    triangles[static_cast<std::size_t>(after - asset.placed.begin())].push_back(f);
+  }
+  return triangles;
+}
+
+class PrimitiveBuilder {
+ public:
+  PrimitiveBuilder(const Scene& scene, const BakedColors& baked)
+      : scene_(scene), mesh_(mesh_of(scene, baked)), baked_(baked), index_(mesh_.n_vertices(), no_vertex) {}
+
+  BakedPrimitive build(const PlacedPrimitive& placed, const std::vector<std::uint32_t>& triangles) {
+    BakedPrimitive primitive;
+    if (find_accessor_vertices(placed, triangles, primitive.mesh_vertices)) return primitive;
+    primitive.mesh_vertices.clear();
+    primitive.is_rewritten = true;
+    for (const std::uint32_t f : triangles) add_triangle(placed, mesh_.triangles[f], primitive);
+    for (const std::uint32_t v : met_) index_[v] = no_vertex;
+    met_.clear();
+    for (const std::uint32_t v : primitive.mesh_vertices) written_of_.erase(v);
+    return primitive;
+  }
+
+ private:
+  bool is_cut(std::uint32_t v) const { return !baked_.cuts.empty() && v >= scene_.mesh.n_vertices(); }
+
+  /// The accessor's vertex that a vertex of the mesh comes from.
+  std::uint32_t accessor_vertex(const PlacedPrimitive& placed, std::uint32_t v) const {
+    const Mesh& mesh = baked_.cuts.empty() ? mesh_ : scene_.mesh;
+    return mesh.source_vertex_of(v) - placed.source_begin;
+  }
+
+  /// For each accessor vertex one vertex of the mesh, where all that stand for it have the same colour.
+  bool find_accessor_vertices(const PlacedPrimitive& placed, const std::vector<std::uint32_t>& triangles,
+                              std::vector<std::uint32_t>& found) const {
+    if (triangles.size() != placed.triangle_end - placed.triangle_begin) return false;
+    found.assign(placed.n_accessor_vertices, no_vertex);
+    for (std::uint32_t i = 0; i < triangles.size(); ++i) {
+      const glm::uvec3& t = mesh_.triangles[triangles[i]];
+      const glm::uvec3& original = scene_.mesh.triangles[placed.triangle_begin + i];
+      for (int c = 0; c < 3; ++c) {
+        if (is_cut(t[c])) return false;
+        const std::uint32_t at = accessor_vertex(placed, t[c]);
+        if (at != scene_.mesh.source_vertex_of(original[c]) - placed.source_begin) return false;
+        if (found[at] == no_vertex) found[at] = t[c];
+        if (!(baked_.colors[found[at]] == baked_.colors[t[c]])) return false;
+      }
+    }
+    // A vertex of no triangle has a colour of its own unless the method left it out.
+    const bool has_all = !baked_.mesh || !baked_.cuts.empty();
+    for (std::uint32_t i = 0; i < found.size() && has_all; ++i)
+      if (found[i] == no_vertex) found[i] = placed.vertex_begin + i;
+    return true;
+  }
+
+  void add_triangle(const PlacedPrimitive& placed, glm::uvec3 t, BakedPrimitive& primitive) {
+    if (placed.is_mirrored) std::swap(t[1], t[2]);
+    for (int c = 0; c < 3; ++c) {
+      const std::uint32_t v = t[c];
+      const auto [place, is_new] =
+          written_of_.try_emplace(v, static_cast<std::uint32_t>(primitive.mesh_vertices.size()));
+      if (is_new) {
+        primitive.mesh_vertices.push_back(v);
+        primitive.vertices.push_back(origin_of(placed, v, primitive));
+      }
+      t[c] = place->second;
+    }
+    primitive.triangles.push_back(t);
+  }
+
+  /// Index of the vertex among the origins; those that it is made from are added before it. Not recursive:
+  /// cuts of cuts can be deep.
+  std::uint32_t origin_of(const PlacedPrimitive& placed, std::uint32_t vertex, BakedPrimitive& primitive) {
+    std::vector<std::uint32_t> open{vertex};
+    while (!open.empty()) {
+      const std::uint32_t v = open.back();
+      VertexOrigin origin;
+      if (index_[v] == no_vertex && is_cut(v)) {
+        const EdgeCut& cut = baked_.cuts[v - scene_.mesh.n_vertices()];
+        const bool has_a = index_[cut.a] != no_vertex, has_b = index_[cut.b] != no_vertex;
+        if (!has_a) open.push_back(cut.a);
+        if (!has_b) open.push_back(cut.b);
+        if (!has_a || !has_b) continue;
+        origin = {.is_cut = true, .a = index_[cut.a], .b = index_[cut.b], .t = cut.t};
+      } else if (index_[v] == no_vertex) {
+        origin.a = accessor_vertex(placed, v);
+      }
+      open.pop_back();
+      if (index_[v] != no_vertex) continue;
+      index_[v] = static_cast<std::uint32_t>(primitive.origins.size());
+      primitive.origins.push_back(origin);
+      met_.push_back(v);
+    }
+    return index_[vertex];
+  }
+
+  const Scene& scene_;
+  const Mesh& mesh_;
+  const BakedColors& baked_;
+  std::vector<std::uint32_t> index_;  ///< Origin of a mesh vertex in the primitive at work.
+  std::vector<std::uint32_t> met_;
+  std::map<std::uint32_t, std::uint32_t> written_of_;
+};
+
+/// The accessor vertex that each origin takes values from that cannot be mixed.
+std::vector<std::uint32_t> nearest_accessor_vertices(const std::vector<VertexOrigin>& origins) {
+  std::vector<std::uint32_t> nearest;
+  nearest.reserve(origins.size());
+  for (const VertexOrigin& origin : origins)
+    nearest.push_back(!origin.is_cut ? origin.a : nearest[origin.t <= 0.5f ? origin.a : origin.b]);
+  return nearest;
+}
+
+/// n_components floats of each origin.
+std::vector<float> interpolate(const std::vector<float>& values, std::size_t n_components,
+                               const std::vector<VertexOrigin>& origins, bool is_direction) {
+  std::vector<float> mixed(origins.size() * n_components);
+  for (std::size_t i = 0; i < origins.size(); ++i) {
+    const VertexOrigin& origin = origins[i];
+    float* to = mixed.data() + i * n_components;
+    const float* a = (origin.is_cut ? mixed.data() : values.data()) + origin.a * n_components;
+    if (!origin.is_cut) {
+      std::copy(a, a + n_components, to);
+      continue;
+    }
+    const float* b = mixed.data() + origin.b * n_components;
+    for (std::size_t k = 0; k < n_components; ++k) to[k] = (1 - origin.t) * a[k] + origin.t * b[k];
+    if (!is_direction) continue;
+    const float length = std::sqrt(to[0] * to[0] + to[1] * to[1] + to[2] * to[2]);
+    for (std::size_t k = 0; k < 3; ++k) to[k] = length > 0 ? to[k] / length : a[k];
+    if (n_components == 4) to[3] = a[3];  // The handedness of a tangent.
+  }
+  return mixed;
+}
+
+/// Elements at `indices`, padded to a multiple of 4 bytes.
+std::vector<unsigned char> gather_elements(const std::vector<unsigned char>& bytes, std::size_t n_bytes,
+                                           const std::vector<std::uint32_t>& indices) {
+  const std::size_t stride = (n_bytes + 3) / 4 * 4;
+  std::vector<unsigned char> gathered(indices.size() * stride);
+  for (std::size_t i = 0; i < indices.size(); ++i)
+    std::memcpy(gathered.data() + i * stride, bytes.data() + indices[i] * n_bytes, n_bytes);
+  return gathered;
+}
+
+const char* type_name(std::size_t n_components) {
+  constexpr const char* names[] = {"SCALAR", "VEC2", "VEC3", "VEC4"};
+  return names[n_components - 1];
+}
+
+double component_at(const unsigned char* bytes, int component_type) {
+  const auto load = [bytes](auto value) {
+    std::memcpy(&value, bytes, sizeof value);
+    return static_cast<double>(value);
+  };
+  switch (component_type) {
+    case gltf::byte:
+      return load(std::int8_t{});
+    case gltf::unsigned_byte:
+      return load(std::uint8_t{});
+    case gltf::short_:
+      return load(std::int16_t{});
+    case gltf::unsigned_short:
+      return load(std::uint16_t{});
+    default:
+      return load(float{});
+  }
+}
+
+/// min and max of an accessor's elements, as positions must have them.
+void set_extremes(GltfJson& accessor, const GltfElements& elements, std::size_t n_components,
+                  std::size_t component_bytes) {
+  const std::size_t stride = elements.bytes.size() / elements.count;
+  for (std::size_t k = 0; k < n_components; ++k) {
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    for (std::size_t i = 0; i < elements.count; ++i) {
+      const double value =
+          component_at(elements.bytes.data() + i * stride + k * component_bytes, elements.component_type);
+      low = std::min(low, value), high = std::max(high, value);
+    }
+    accessor["min"].push_back(low);
+    accessor["max"].push_back(high);
+  }
+}
+
+}  // namespace
+
+std::vector<BakedPrimitive> baked_primitives(const GltfAsset& asset, const Scene& scene,
+                                             const BakedColors& baked) {
+  const auto triangles = triangles_by_primitive(asset, mesh_of(scene, baked), baked);
+  PrimitiveBuilder builder(scene, baked);
+  std::vector<BakedPrimitive> primitives;
+  for (std::size_t i = 0; i < asset.placed.size(); ++i)
+    primitives.push_back(builder.build(asset.placed[i], triangles[i]));
+  return primitives;
+}
+
+void PrimitiveRewriter::rewrite(GltfJson& primitive, const BakedPrimitive& baked,
+                                const std::string& skipped) {
+  primitive["attributes"].erase(skipped);
+  for (auto& [semantic, accessor] : primitive["attributes"].items())
+    accessor = rewrite_accessor(accessor.get<std::size_t>(), semantic, baked, false);
+  if (primitive.contains("targets"))
+    for (GltfJson& target : primitive["targets"])
+      for (auto& [semantic, accessor] : target.items())
+        accessor = rewrite_accessor(accessor.get<std::size_t>(), semantic, baked, true);
+  const IndexElements indices(baked.triangles, baked.vertices.size());
+  primitive["indices"] = append_once(indices.elements(), "");
+  primitive.erase("mode");
+  if (primitive.contains("extensions")) {
+    primitive["extensions"].erase("KHR_draco_mesh_compression");
+    if (primitive["extensions"].empty()) primitive.erase("extensions");
+  }
+}
+
+std::size_t PrimitiveRewriter::rewrite_accessor(std::size_t index, const std::string& semantic,
+                                                const BakedPrimitive& baked, bool is_target) {
+  const tinygltf::Accessor& accessor = asset_.model.accessors[index];
+  const std::size_t n_components = n_components_of(accessor);
+  const bool has_cuts = std::any_of(baked.origins.begin(), baked.origins.end(),
+                                    [](const VertexOrigin& origin) { return origin.is_cut; });
+  const bool is_whole = accessor.componentType != TINYGLTF_COMPONENT_TYPE_FLOAT && !accessor.normalized &&
+                        semantic.starts_with("_");
+  const bool can_mix = !semantic.starts_with("JOINTS_") && !semantic.starts_with("WEIGHTS_") && !is_whole;
+  GltfElements elements{.count = baked.vertices.size(), .type = type_name(n_components)};
+  if (has_cuts && can_mix) {
+    const bool is_direction = !is_target && (semantic == "NORMAL" || semantic == "TANGENT");
+    const std::vector<float> mixed =
+        interpolate(decode_floats(asset_.model, index), n_components, baked.origins, is_direction);
+    std::vector<float> values;
+    values.reserve(elements.count * n_components);
+    for (const std::uint32_t origin : baked.vertices)
+      for (std::size_t k = 0; k < n_components; ++k) values.push_back(mixed[origin * n_components + k]);
+    elements.bytes = bytes_of(values);
+    return append_once(elements, semantic);
+  }
+  const std::vector<std::uint32_t> nearest = nearest_accessor_vertices(baked.origins);
+  std::vector<std::uint32_t> from;
+  from.reserve(elements.count);
+  for (const std::uint32_t origin : baked.vertices) from.push_back(nearest[origin]);
+  const std::vector<unsigned char> bytes = decode_bytes(asset_.model, index);
+  const std::size_t n_bytes = bytes.size() / accessor.count;
+  const std::vector<unsigned char> gathered = gather_elements(bytes, n_bytes, from);
+  elements.bytes = gathered;
+  elements.component_type = accessor.componentType;
+  elements.is_normalized = accessor.normalized;
+  elements.is_strided = n_bytes % 4 != 0;
+  return append_once(elements, semantic);
+}
+
+std::size_t PrimitiveRewriter::append_once(const GltfElements& elements, const std::string& semantic) {
+  const std::string_view bytes(reinterpret_cast<const char*>(elements.bytes.data()), elements.bytes.size());
+  const std::size_t hash = std::hash<std::string_view>()(bytes) ^ std::hash<std::string>()(semantic);
+  const auto [begin, end] = accessor_of_hash_.equal_range(hash);
+  for (auto it = begin; it != end; ++it) {
+    const GltfJson& accessor = document_.json["accessors"][it->second];
+    const GltfJson& view = document_.json["bufferViews"][accessor["bufferView"].get<std::size_t>()];
+    const std::size_t offset = view["byteOffset"], length = view["byteLength"];
+    if (accessor["componentType"] == elements.component_type && accessor["type"] == elements.type &&
+        accessor["count"] == elements.count && accessor.contains("min") == (semantic == "POSITION") &&
+        length == bytes.size() && std::memcmp(document_.bin.data() + offset, bytes.data(), length) == 0)
+      return it->second;
+  }
+  const std::size_t index = append_accessor(document_, elements);
+  if (semantic == "POSITION") {
+    const std::size_t component_bytes =
+        elements.component_type == gltf::float_                                                   ? 4
+        : elements.component_type == gltf::byte || elements.component_type == gltf::unsigned_byte ? 1
+                                                                                                  : 2;
+    set_extremes(document_.json["accessors"][index], elements, 3, component_bytes);
+  }
+  accessor_of_hash_.emplace(hash, index);
+  return index;
+}
+
+}  // namespace lambake

@@ -1,0 +1,207 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <set>
+
+#include "lambake/core/error.h"
+#include "lambake/io/gltf_asset.h"
+#include "lambake/io/gltf_color.h"
+#include "lambake/io/gltf_merge.h"
+#include "lambake/io/gltf_rewrite.h"
+#include "lambake/io/gltf_source.h"
+#include "lambake/io/gltf_write.h"
+
+namespace lambake {
+namespace {
+
+class AssetWriter {
+ public:
+  AssetWriter(const GltfAsset& asset, const Scene& scene, const BakedColors& baked,
+              const GltfWriteOptions& options)
+      : asset_(asset), scene_(scene), mesh_(mesh_of(scene, baked)), baked_(baked), options_(options) {
+    if (baked.colors.size() != mesh_.n_vertices())
+      throw InvalidScene(fmt::format("glTF writing: expected {} colours, found {}", mesh_.n_vertices(),
+                                     baked.colors.size()));
+  }
+
+  WrittenColors build(GltfDocument& document) {
+    document.json = asset_.json;
+    merge_buffers(asset_, document, written_.findings);
+    place_meshes(document.json);
+    PrimitiveRewriter rewriter(asset_, document);
+    const std::vector<BakedPrimitive> primitives = baked_primitives(asset_, scene_, baked_);
+    for (std::size_t i = 0; i < primitives.size(); ++i)
+      if (is_lit(asset_.placed[i])) light(asset_.placed[i], primitives[i], document, rewriter);
+    if (options_.mark_unlit) mark_materials(document.json);
+    drop_unused_draco(document.json);
+    tell();
+    return std::move(written_);
+  }
+
+ private:
+  const Material& material_of(const PlacedPrimitive& placed) const {
+    return scene_.materials[scene_.mesh.material_of(placed.triangle_begin)];
+  }
+  /// Unlit primitives show what they did before; those without a triangle have nothing to light.
+  bool is_lit(const PlacedPrimitive& placed) const {
+    return placed.triangle_begin < placed.triangle_end && !material_of(placed).is_unlit;
+  }
+
+  /// Gives each lit node a mesh that no other node uses: the file's own for the first of them, copies for the
+  /// others. Nodes that are not lit keep the file's, and then all lit ones get copies.
+  void place_meshes(GltfJson& json) {
+    std::vector<std::set<std::size_t>> users(asset_.model.meshes.size()), lit(asset_.model.meshes.size());
+    for (std::size_t n = 0; n < asset_.model.nodes.size(); ++n)
+      if (asset_.model.nodes[n].mesh >= 0)
+        users[static_cast<std::size_t>(asset_.model.nodes[n].mesh)].insert(n);
+    for (const PlacedPrimitive& placed : asset_.placed)
+      if (is_lit(placed)) lit[placed.mesh].insert(placed.node);
+    mesh_of_node_.assign(asset_.model.nodes.size(), 0);
+    for (std::size_t m = 0; m < lit.size(); ++m) {
+      bool is_taken = lit[m].size() < users[m].size();
+      const GltfJson original = lit[m].empty() ? GltfJson() : json["meshes"][m];
+      for (const std::size_t node : lit[m]) {
+        mesh_of_node_[node] = is_taken ? append_to(json, "meshes", original) : m;
+        json["nodes"][node]["mesh"] = mesh_of_node_[node];
+        is_taken = true;
+      }
+    }
+  }
+
+  void light(const PlacedPrimitive& placed, const BakedPrimitive& baked, GltfDocument& document,
+             PrimitiveRewriter& rewriter) {
+    const std::size_t mesh = mesh_of_node_[placed.node];
+    lit_.emplace(mesh, placed.primitive);
+    GltfJson primitive = document.json["meshes"][mesh]["primitives"][placed.primitive];
+    const tinygltf::Primitive& original = asset_.model.meshes[placed.mesh].primitives[placed.primitive];
+    if (baked.is_rewritten) {
+      rewriter.rewrite(primitive, baked, options_.attribute);
+      ++n_rewritten_;
+    }
+    const bool had_color = original.attributes.contains("COLOR_0");
+    if (had_color && replaces_color()) ++n_multiplied_;
+    const EncodedColors encoded = encode(placed, baked, had_color);
+    written_.clipped_vertices += encoded.clipped;
+    negative_ += encoded.negative;
+    primitive["attributes"][options_.attribute] = append_accessor(document, encoded.elements());
+    document.json["meshes"][mesh]["primitives"][placed.primitive] = std::move(primitive);
+  }
+
+  bool replaces_color() const { return options_.attribute == "COLOR_0"; }
+
+  /// The colours of a primitive's vertices: light, times the vertex colour that was there where it is
+  /// replaced. An unlit material shows no emission of its own, so that goes in where it can.
+  EncodedColors encode(const PlacedPrimitive& placed, const BakedPrimitive& baked, bool had_color) {
+    const Material& material = material_of(placed);
+    LinearRgb emission{0, 0, 0};
+    if (options_.mark_unlit && replaces_color() && has_emission(material)) {
+      const auto share = [](float light, float base) { return light == 0 ? 0.0f : light / base; };
+      if (can_fold_emission(material))
+        emission = {share(material.emission.r, material.base_color.r),
+                    share(material.emission.g, material.base_color.g),
+                    share(material.emission.b, material.base_color.b)};
+      else
+        emission_lost_ += baked.mesh_vertices.size();
+    }
+    const float scale = std::exp2(options_.exposure_stops);
+    const bool has_opacities = had_color && replaces_color() && !mesh_.opacities.empty();
+    std::vector<LinearRgb> colors;
+    std::vector<float> opacities;
+    colors.reserve(baked.mesh_vertices.size());
+    for (const std::uint32_t v : baked.mesh_vertices) {
+      LinearRgb color = v == no_vertex ? LinearRgb{} : baked_.colors[v];
+      if (had_color && !replaces_color() && v != no_vertex) color = divide(color, mesh_.colors[v]);
+      colors.push_back((color + emission) * scale);
+      if (has_opacities) opacities.push_back(v == no_vertex ? 1.0f : mesh_.opacities[v]);
+    }
+    return encode_colors(colors, opacities, {.storage = options_.color, .is_clamped = replaces_color()});
+  }
+
+  /// Light alone: where the vertex colour is 0 any light does, as the product stays 0.
+  static LinearRgb divide(const LinearRgb& product, const LinearRgb& factor) {
+    const auto channel = [](float p, float f) { return f > 0 ? p / f : 0.0f; };
+    return {channel(product.r, factor.r), channel(product.g, factor.g), channel(product.b, factor.b)};
+  }
+
+  /// Marks the materials of lit primitives. A material that others use too is copied for them.
+  void mark_materials(GltfJson& json) {
+    constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
+    const auto material_index = [](const GltfJson& primitive) {
+      const GltfJson& index = member(primitive, "material");
+      return index.is_null() ? none : index.get<std::size_t>();
+    };
+    std::set<std::size_t> used_elsewhere;
+    for (std::size_t m = 0; m < json["meshes"].size(); ++m)
+      for (std::size_t p = 0; p < json["meshes"][m]["primitives"].size(); ++p)
+        if (!lit_.contains({m, p})) used_elsewhere.insert(material_index(json["meshes"][m]["primitives"][p]));
+    std::map<std::size_t, std::size_t> marked;
+    for (const auto& [m, p] : lit_) {
+      GltfJson& primitive = json["meshes"][m]["primitives"][p];
+      const std::size_t index = material_index(primitive);
+      const auto [place, is_new] = marked.try_emplace(index, index);
+      if (is_new) {
+        if (index == none)
+          place->second = append_to(json, "materials", GltfJson::object());
+        else if (used_elsewhere.contains(index))
+          place->second = append_to(json, "materials", GltfJson(json["materials"][index]));
+        json["materials"][place->second]["extensions"]["KHR_materials_unlit"] = GltfJson::object();
+      }
+      json["meshes"][m]["primitives"][p]["material"] = place->second;
+    }
+    if (!lit_.empty()) use_extension(json, "KHR_materials_unlit");
+  }
+
+  /// Rewritten primitives are not compressed: where no other is, nothing needs a Draco decoder any more.
+  static void drop_unused_draco(GltfJson& json) {
+    constexpr const char* draco = "KHR_draco_mesh_compression";
+    for (const GltfJson& mesh : member(json, "meshes"))
+      for (const GltfJson& primitive : member(mesh, "primitives"))
+        if (!member(member(primitive, "extensions"), draco).is_null()) return;
+    for (const char* list : {"extensionsUsed", "extensionsRequired"}) {
+      if (!member(json, list).is_array()) continue;
+      GltfJson left = GltfJson::array();
+      for (const GltfJson& name : json[list])
+        if (name != draco) left.push_back(name);
+      if (left.empty())
+        json.erase(list);
+      else
+        json[list] = std::move(left);
+    }
+  }
+
+  void tell() {
+    Findings& findings = written_.findings;
+    tell_storage(findings, written_.clipped_vertices, negative_);
+    add_finding(findings, "vertex_colors_multiplied", n_multiplied_,
+                "primitives had vertex colours; the product of colour and light is written");
+    add_finding(findings, "rewritten_primitives", n_rewritten_,
+                "primitives have other vertices than in the file, as their corners or cuts need them; their "
+                "attributes are written anew");
+    add_finding(
+        findings, "emission_not_written", emission_lost_,
+        "vertices emit light that cannot be put into vertex colours (a texture, or a base colour of 0); an "
+        "unlit material does not show it");
+  }
+
+  const GltfAsset& asset_;
+  const Scene& scene_;
+  const Mesh& mesh_;
+  const BakedColors& baked_;
+  const GltfWriteOptions& options_;
+  WrittenColors written_;
+  std::vector<std::size_t> mesh_of_node_;
+  std::set<std::pair<std::size_t, std::size_t>> lit_;  ///< (mesh, primitive) of the written document.
+  std::size_t negative_ = 0, n_multiplied_ = 0, n_rewritten_ = 0, emission_lost_ = 0;
+};
+
+}  // namespace
+
+WrittenColors write_gltf_asset(const std::string& path, const GltfAsset& asset, const Scene& scene,
+                               const BakedColors& baked, const GltfWriteOptions& options) {
+  GltfDocument document;
+  WrittenColors written = AssetWriter(asset, scene, baked, options).build(document);
+  write_document(path, document);
+  return written;
+}
+
+}  // namespace lambake

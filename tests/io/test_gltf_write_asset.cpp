@@ -1,0 +1,234 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <optional>
+#include <regex>
+
+#include "io/glb_reader.h"
+#include "io/gltf_files.h"
+#include "lambake/bake/bake.h"
+#include "lambake/core/bounds.h"
+#include "lambake/core/error.h"
+#include "lambake/io/gltf.h"
+
+namespace lambake {
+namespace {
+
+using nlohmann::json;
+
+std::size_t count_of(const Findings& findings, const std::string& code) {
+  std::size_t count = 0;
+  for (const Finding& finding : findings) count += finding.code == code ? finding.count : 0;
+  return count;
+}
+
+/// The JSON of a .gltf or .glb.
+json json_of(const std::string& path) {
+  const std::string bytes = read_bytes(path);
+  return bytes.substr(0, 4) == "glTF" ? json(read_glb(path).json) : json::parse(bytes);
+}
+
+/// The lights of the file, or one sun, half as bright as white so that nothing clips.
+SceneFile read_lit(const std::string& path) {
+  SceneFile file = read_gltf_file(path, {});
+  if (file.scene.lights.empty()) {
+    Light& sun = file.scene.lights.emplace_back();
+    sun.direction_to_light = glm::normalize(glm::vec3(0.4f, 1, 0.3f));
+    sun.intensity = {0.5f, 0.5f, 0.5f};
+  }
+  return file;
+}
+
+struct Written {
+  SceneFile in;
+  BakedColors baked;
+  WrittenColors written;
+  std::string path;
+};
+
+/// Bakes a file and writes it; nothing where the file has no triangle.
+std::optional<Written> bake_file(const std::string& path, const BakeOptions& bake_options,
+                                 const GltfWriteOptions& write_options) {
+  Written result;
+  try {
+    result.in = read_lit(path);
+  } catch (const InvalidScene&) {
+    return std::nullopt;
+  }
+  result.baked = bake(result.in.scene, bake_options);
+  result.path = temporary_file("out.glb");
+  result.written = write_gltf_file(result.path, result.in, result.baked, write_options);
+  return result;
+}
+
+/// What baking may change in a document, as paths of a JSON patch.
+bool is_expected_change(const std::string& operation, const std::string& path, bool has_rewritten) {
+  static const std::regex appended("/(accessors|bufferViews|meshes|materials|extensionsUsed)(/-|/[0-9]+)?"),
+      colour("/meshes/[0-9]+/primitives/[0-9]+/(attributes/COLOR_0|material)"), placed("/nodes/[0-9]+/mesh"),
+      unlit("/materials/[0-9]+/extensions(/KHR_materials_unlit)?"),
+      merged("/buffers/[0-9]+(/uri|/byteLength)?|/bufferViews/[0-9]+/(buffer|byteOffset)"),
+      embedded("/images/[0-9]+/(uri|mimeType|bufferView)"),
+      rewritten(
+          "/meshes/[0-9]+/primitives/[0-9]+/"
+          "(indices|mode|(attributes|targets/[0-9]+)/[A-Z_0-9]+)");
+  return (operation == "add" && std::regex_match(path, appended)) || std::regex_match(path, colour) ||
+         std::regex_match(path, placed) || (operation == "add" && std::regex_match(path, unlit)) ||
+         std::regex_match(path, merged) || std::regex_match(path, embedded) ||
+         (has_rewritten && std::regex_match(path, rewritten));
+}
+
+TEST(GltfAsset, EveryRealFile_ComesBackWithNothingButLightAdded) {
+  for (const ManifestRow& row : gltf_rows()) {
+    SCOPED_TRACE(row.path);
+    const auto result = bake_file(meshes_folder() + row.path, {}, {});
+    if (!result) continue;
+    const json before = json_of(meshes_folder() + row.path), after = json_of(result->path);
+    const bool has_rewritten = count_of(result->written.findings, "rewritten_primitives") > 0;
+    for (const json& change : json::diff(before, after))
+      EXPECT_TRUE(is_expected_change(change["op"], change["path"], has_rewritten)) << change.dump();
+  }
+}
+
+TEST(GltfAsset, EveryRealFile_ReadAgain_ShowsTheBakedColours) {
+  for (const ManifestRow& row : gltf_rows()) {
+    SCOPED_TRACE(row.path);
+    for (const BakeMethod method : {BakeMethod::sample, BakeMethod::face}) {
+      const auto result = bake_file(meshes_folder() + row.path, {.method = method}, {});
+      if (!result) continue;
+      const Scene again = read_gltf_file(result->path, {}).scene;
+      const Scene& scene = result->in.scene;
+      const Mesh& mesh = mesh_of(scene, result->baked);
+      ASSERT_EQ(again.mesh.n_triangles(), mesh.n_triangles());
+      for (std::size_t f = 0; f < mesh.n_triangles(); ++f) {
+        const Material& material = scene.materials[mesh.material_of(f)];
+        const Material& shown = again.materials[again.mesh.material_of(f)];
+        ASSERT_TRUE(shown.is_unlit);
+        ASSERT_TRUE(shown.base_color == material.base_color);
+        ASSERT_EQ(shown.base_color_texture == no_texture, material.base_color_texture == no_texture);
+        for (int c = 0; c < 3; ++c) {
+          const std::uint32_t v = mesh.triangles[f][c], w = again.mesh.triangles[f][c];
+          ASSERT_LT(glm::distance(mesh.positions[v], again.mesh.positions[w]),
+                    1e-5f * glm::length(mesh.positions[v]) + 1e-6f);
+          if (!(material.emission == LinearRgb{0, 0, 0})) continue;
+          const LinearRgb& want = result->baked.colors[v];
+          const LinearRgb got = again.mesh.colors.empty() ? LinearRgb{1, 1, 1} : again.mesh.colors[w];
+          const auto near = [](float a, float b) { return std::abs(std::min(a, 1.0f) - b) <= 0.51f / 65535; };
+          ASSERT_TRUE(near(want.r, got.r) && near(want.g, got.g) && near(want.b, got.b))
+              << "triangle " << f << ": " << want.r << ' ' << want.g << ' ' << want.b << ", found " << got.r
+              << ' ' << got.g << ' ' << got.b;
+        }
+      }
+    }
+  }
+}
+
+TEST(GltfAsset, MeshOfTwoNodes_HasTwoCopiesThatDifferInColourAlone) {
+  const auto result = bake_file(meshes_folder() + "gltf/SimpleMeshes.gltf", {}, {});
+  const Glb glb = read_glb(result->path);
+  ASSERT_EQ(glb.json["meshes"].size(), 2U);
+  EXPECT_NE(glb.json["nodes"][0]["mesh"], glb.json["nodes"][1]["mesh"]);
+  auto first = glb.primitive(0, 0), second = glb.primitive(1, 0);
+  EXPECT_NE(first["attributes"]["COLOR_0"], second["attributes"]["COLOR_0"]);
+  first["attributes"].erase("COLOR_0"), second["attributes"].erase("COLOR_0");
+  EXPECT_EQ(first, second);
+}
+
+TEST(GltfAsset, OtherAttribute_HoldsLightAlone_AndLeavesColoursAndMaterials) {
+  const std::string path = meshes_folder() + "gltf/BoxVertexColors.glb";
+  const auto result =
+      bake_file(path, {}, {.color = ColorStorage::f32, .mark_unlit = false, .attribute = "_LIGHT"});
+  const Glb before = read_glb(path), after = read_glb(result->path);
+  EXPECT_EQ(before.json["materials"], after.json["materials"]);
+  EXPECT_EQ(before.attribute(0, 0, "COLOR_0"), after.attribute(0, 0, "COLOR_0"));
+  const std::size_t light = after.attribute(0, 0, "_LIGHT");
+  for (std::size_t i = 0; i < after.count(light); ++i) {
+    const LinearRgb& base = result->in.scene.mesh.colors[i];
+    const LinearRgb& color = result->baked.colors[i];
+    EXPECT_NEAR(after.value<float>(light, i, 0) * base.r, color.r, 1e-6);
+    EXPECT_NEAR(after.value<float>(light, i, 1) * base.g, color.g, 1e-6);
+  }
+}
+
+TEST(GltfAsset, Draco_StaysCompressedWithColoursBeside_AndUnpacksWhereFacesSplit) {
+  const std::string path = meshes_folder() + "gltf/Box_Draco.glb";
+  const Glb kept = read_glb(bake_file(path, {}, {})->path);
+  EXPECT_TRUE(kept.primitive(0, 0)["extensions"].contains("KHR_draco_mesh_compression"));
+  EXPECT_EQ(kept.json["extensionsRequired"], json::array({"KHR_draco_mesh_compression"}));
+  const Glb split = read_glb(bake_file(path, {.method = BakeMethod::face}, {})->path);
+  // A box has one colour per face on vertices of their own: only where two triangles of a vertex differ must
+  // it be rewritten; either way both files read alike, which the round trip above holds.
+  EXPECT_EQ(split.json.contains("extensionsRequired"), split.primitive(0, 0).contains("extensions"));
+}
+
+/// A midpoint cut of the scene's first triangle, as a cutting method gives it.
+BakedColors cut_first_triangle(const Scene& scene) {
+  BakedColors baked = bake(scene, {});
+  Mesh& mesh = baked.mesh.emplace(scene.mesh);
+  const glm::uvec3 t = mesh.triangles[0];
+  const auto n = static_cast<std::uint32_t>(mesh.n_vertices());
+  append_vertex_copy(mesh, t[0]);
+  mesh.positions[n] = 0.75f * mesh.positions[t[0]] + 0.25f * mesh.positions[t[1]];
+  baked.cuts.push_back({t[0], t[1], 0.25f});
+  baked.colors.push_back({0.125f, 0.25f, 0.5f});
+  mesh.triangles[0] = {t[0], n, t[2]};
+  mesh.triangles.push_back({n, t[1], t[2]});
+  mesh.materials.push_back(mesh.materials[0]);
+  for (std::uint32_t f = 0; f < scene.mesh.n_triangles(); ++f) baked.parent_triangles.push_back(f);
+  baked.parent_triangles.push_back(0);
+  return baked;
+}
+
+TEST(GltfAsset, CutMesh_InterpolatesEveryAttributeInTheFilesOwnSpace) {
+  for (const char* name : {"gltf/CesiumMilkTruck.glb", "gltf/RiggedSimple.glb", "gltf/AnimatedMorphCube.glb",
+                           "gltf/BoxMeshopt.glb", "gltf/PalmTree/PalmTree.gltf", "gltf/Box_Draco.glb"}) {
+    SCOPED_TRACE(name);
+    const SceneFile file = read_lit(meshes_folder() + name);
+    const BakedColors baked = cut_first_triangle(file.scene);
+    const std::string path = temporary_file("cut.glb");
+    const WrittenColors written = write_gltf_file(path, file, baked, {});
+    EXPECT_EQ(count_of(written.findings, "rewritten_primitives"), 1U);
+    const Scene again = read_gltf_file(path, {}).scene;
+    ASSERT_EQ(again.mesh.n_triangles(), file.scene.mesh.n_triangles() + 1);
+    // Triangles of a primitive keep the order that baking gave them: the new one is the primitive's last.
+    std::size_t n_found = 0;
+    const glm::vec3 cut = baked.mesh->positions.back();
+    const glm::uvec3 t = file.scene.mesh.triangles[0];
+    const glm::vec3 normal =
+        glm::normalize(0.75f * file.scene.mesh.normals[t[0]] + 0.25f * file.scene.mesh.normals[t[1]]);
+    const float size = bounds_of(file.scene.mesh.positions).radius();
+    for (std::size_t v = 0; v < again.mesh.n_vertices(); ++v) {
+      const LinearRgb& c = again.mesh.colors[v];
+      if (std::abs(c.r - 0.125f) > 1e-4f || std::abs(c.g - 0.25f) > 1e-4f || std::abs(c.b - 0.5f) > 1e-4f)
+        continue;
+      ++n_found;
+      EXPECT_GT(glm::dot(again.mesh.normals[v], normal), 0.999f);
+      // Skins bend: a point on an edge follows the nearer end alone.
+      if (std::string(name) != "gltf/RiggedSimple.glb") {
+        EXPECT_LT(glm::distance(again.mesh.positions[v], cut), 1e-5f * size);
+      }
+    }
+    EXPECT_EQ(n_found, 1U);
+  }
+}
+
+TEST(GltfAsset, FaceColours_OfCopiesWithTheSameCuts_ShareTheirNewAttributes) {
+  const auto result = bake_file(meshes_folder() + "gltf/SpheresScaledInstances/spheres_scaled_instances.gltf",
+                                {.method = BakeMethod::face}, {});
+  const Glb glb = read_glb(result->path);
+  ASSERT_EQ(glb.json["meshes"].size(), 3U);  // One for each node that places it.
+  for (std::size_t m = 1; m < 3; ++m) {
+    EXPECT_EQ(glb.attribute(0, 0, "POSITION"), glb.attribute(m, 0, "POSITION"));
+    EXPECT_EQ(glb.primitive(0, 0)["indices"], glb.primitive(m, 0)["indices"]);
+    EXPECT_NE(glb.attribute(0, 0, "COLOR_0"), glb.attribute(m, 0, "COLOR_0"));
+  }
+}
+
+TEST(GltfAsset, AttributeOfAnotherMeaning_IsRefused) {
+  const SceneFile file = read_lit(meshes_folder() + "gltf/box01.glb");
+  EXPECT_THROW(write_gltf_file(temporary_file("x.glb"), file, bake(file.scene, {}), {.attribute = "NORMAL"}),
+               InvalidOption);
+}
+
+}  // namespace
+}  // namespace lambake
