@@ -61,6 +61,18 @@ std::string stl_binary() {
   return bytes;
 }
 
+/// Version 1.2, whose faces are lists of vertices.
+std::string om_version_1() {
+  std::string bytes = "OMT\x22";
+  for (const std::uint32_t n : {5U, 2U, 0U}) append(bytes, n);
+  append(bytes, std::uint16_t{0x1600});  // Positions of vertices: three floats.
+  for (const auto& p : corners)
+    for (const float coordinate : p) append(bytes, coordinate);
+  append(bytes, std::uint16_t{0x00e8});  // Topology of faces: whole numbers of one byte.
+  for (const std::uint8_t v : {0, 1, 4, 1, 2, 4}) append(bytes, v);
+  return bytes;
+}
+
 constexpr const char* ply_ascii =
     "ply\nformat ascii 1.0\nobj_info made by hand\nelement vertex 5\nproperty float x\nproperty float y\n"
     "property float z\nproperty float nx\nproperty float ny\nproperty float nz\nelement face 3\n"
@@ -109,7 +121,9 @@ std::vector<SampleFile> sample_mesh_files() {
           text("plain.off", off, "1 0 0 255", 1),
           text("attributes.off", coff, "1", 1),
           text("ascii.stl", stl_ascii, "endsolid", 8),
-          binary("binary.stl", stl_binary())};
+          binary("binary.stl", stl_binary()),
+          binary("halfedges.om", sample_om()),
+          binary("lists.om", om_version_1())};
 }
 
 void write_bytes(const std::string& path, const std::string& bytes) {

@@ -15,6 +15,9 @@ struct SampleFile {
 /// One of each format and flavour that is read.
 std::vector<SampleFile> sample_mesh_files();
 
+/// A polygon mesh with normals, face colours and texture coordinates of corners, written by OpenMesh.
+std::string sample_om();
+
 void write_bytes(const std::string& path, const std::string& bytes);
 
 }  // namespace lambake

@@ -62,5 +62,6 @@ CanonicalFile scan_ply(const std::string& path, std::string&& text);
 CanonicalFile scan_obj(const std::string& path, std::string&& text);
 CanonicalFile scan_stl(const std::string& path, std::string&& text);
 CanonicalFile scan_off(const std::string& path, std::string&& text);
+CanonicalFile scan_om(const std::string& path, std::string&& bytes);
 
 }  // namespace lambake

@@ -25,6 +25,7 @@ CanonicalFile scan(const std::string& path, std::string&& bytes) {
   if (extension == "obj") return scan_obj(path, std::move(bytes));
   if (extension == "off") return scan_off(path, std::move(bytes));
   if (extension == "stl") return scan_stl(path, std::move(bytes));
+  if (extension == "om") return scan_om(path, std::move(bytes));
   throw IoError(path,
                 fmt::format("expected the extension ply, obj, off, stl or om, found \"{}\"", extension));
 }

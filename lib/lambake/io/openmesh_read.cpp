@@ -4,8 +4,10 @@
 #include <OpenMesh/Core/IO/importer/BaseImporter.hh>
 #include <OpenMesh/Core/IO/reader/OBJReader.hh>
 #include <OpenMesh/Core/IO/reader/OFFReader.hh>
+#include <OpenMesh/Core/IO/reader/OMReader.hh>
 #include <OpenMesh/Core/IO/reader/PLYReader.hh>
 #include <OpenMesh/Core/IO/reader/STLReader.hh>
+#include <OpenMesh/Core/Mesh/BaseKernel.hh>
 #include <OpenMesh/Core/System/omstream.hh>
 #include <exception>
 #include <istream>
@@ -63,6 +65,8 @@ class ArrayImporter : public IO::BaseImporter {
     if (has_polygons_) arrays_.faces.resize(arrays_.triangles.size(), face);
     return FaceHandle(static_cast<int>(face));
   }
+  /// The OM reader wants a kernel for custom properties, of which the canonical files have none.
+  BaseKernel* kernel() override { return &kernel_; }
   std::size_t n_vertices() const override { return arrays_.positions.size(); }
   std::size_t n_faces() const override { return arrays_.n_faces; }
   std::size_t n_edges() const override { return 0; }
@@ -104,6 +108,7 @@ class ArrayImporter : public IO::BaseImporter {
  private:
   static std::size_t index(VertexHandle v) { return static_cast<std::size_t>(v.idx()); }
   OpenMeshArrays& arrays_;
+  BaseKernel kernel_;
   std::vector<std::uint32_t> polygon_;
   bool has_polygons_ = false;
 };
@@ -152,6 +157,7 @@ IO::BaseReader& reader_of(const std::string& extension) {
   if (extension == "ply") return IO::PLYReader();
   if (extension == "obj") return IO::OBJReader();
   if (extension == "off") return IO::OFFReader();
+  if (extension == "om") return IO::OMReader();
   return IO::STLReader();
 }
 

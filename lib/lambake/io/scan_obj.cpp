@@ -9,6 +9,7 @@
 #include "lambake/core/bounds.h"
 #include "lambake/geometry/split_corners.h"
 #include "lambake/io/canonical_file.h"
+#include "lambake/io/corner_attributes.h"
 #include "lambake/io/file_color.h"
 #include "lambake/io/obj_materials.h"
 #include "lambake/io/text_cursor.h"
@@ -29,7 +30,7 @@ void join_continued_lines(std::string& text) {
 class ObjScan {
  public:
   ObjScan(const std::string& path, std::string_view text, CanonicalFile& file)
-      : path_(path), text_(text), file_(file), materials_(path, file) {}
+      : path_(path), text_(text), file_(file), materials_(path, file), kept_(file) {}
 
   void run() {
     file_.bytes.reserve(text_.size() + text_.size() / 8);
@@ -193,15 +194,8 @@ class ObjScan {
       if (!cursor.at_separator()) cursor.fail("v, v/vt, v//vn or v/vt/vn", cursor.token());
       corners_.push_back(corner);
     }
-    if (corners_.size() < 3) {
-      if (n_too_small_++ == 0)
-        for (std::uint32_t f = 0; f + 1 < face_number; ++f) file_.face_indices.push_back(f);
-      if (has_materials_) file_.face_materials.push_back(material);
-      return;
-    }
-    if (n_too_small_ > 0) file_.face_indices.push_back(face_number - 1);
-    ++n_kept_;
     set_material(face_number - 1, material);
+    if (!kept_.keep(corners_.size())) return;
     file_.bytes.push_back('f');
     for (const Corner& corner : corners_) {
       const std::uint32_t id =
@@ -256,11 +250,8 @@ class ObjScan {
   }
 
   void finish() {
-    if (n_kept_ == 0)
-      throw IoError(
-          path_,
-          fmt::format("expected faces of three or more corners, found none among {} vertices", n_vertices_));
     file_.n_vertices = n_vertices_;
+    kept_.finish(path_);
     file_.copied_vertices = splitter_->copies();
     for (const std::uint32_t v : file_.copied_vertices) {
       const std::size_t begin = vertex_lines_[v];
@@ -274,8 +265,6 @@ class ObjScan {
     if (file_.has_texcoords)
       add_finding(file_.findings, "corners_without_texcoord", n_without_texcoord_,
                   "corners have no texture coordinate; (0,1) instead");
-    add_finding(file_.findings, "faces_below_three_corners", n_too_small_,
-                "faces have fewer than three corners; left out");
     add_finding(file_.findings, "non_finite_attributes", n_odd_attributes_,
                 "normals or texture coordinates are not finite; zero instead");
     if (file_.colors.empty() && !vc_colors_.empty()) {
@@ -286,8 +275,7 @@ class ObjScan {
     add_finding(file_.findings, "vertices_without_color", n_uncolored_,
                 "vertices have no colour; white instead");
     decode_file_colors(file_.colors, file_.findings);
-    if (!file_.colors.empty())
-      for (const std::uint32_t v : file_.copied_vertices) file_.colors.push_back(file_.colors[v]);
+    extend_to_copies(file_);
   }
 
   const std::string& path_;
@@ -295,6 +283,7 @@ class ObjScan {
   CanonicalFile& file_;
   ObjMaterials materials_;
   std::optional<CornerSplitter> splitter_;
+  KeptFaces kept_;
   ValueNumbers texcoord_values_, normal_values_;
   std::vector<std::uint32_t> texcoord_numbers_, normal_numbers_;  // By index in the file.
   std::vector<std::size_t> vertex_lines_;  // V: where its line is in the canonical text.
@@ -303,7 +292,7 @@ class ObjScan {
   std::vector<Corner> corners_;
   std::int64_t n_seen_[3] = {0, 0, 0};
   std::size_t n_vertices_ = 0, n_uncolored_ = 0, n_odd_attributes_ = 0, n_lines_and_points_ = 0;
-  std::size_t n_kept_ = 0, n_too_small_ = 0, n_corners_ = 0, n_without_normal_ = 0, n_without_texcoord_ = 0;
+  std::size_t n_corners_ = 0, n_without_normal_ = 0, n_without_texcoord_ = 0;
   bool has_colors_ = false, has_materials_ = false;
 };
 

@@ -2,11 +2,10 @@
 
 #include <charconv>
 #include <limits>
-#include <optional>
 
 #include "lambake/core/bounds.h"
-#include "lambake/geometry/split_corners.h"
 #include "lambake/io/canonical_file.h"
+#include "lambake/io/corner_attributes.h"
 #include "lambake/io/file_color.h"
 #include "lambake/io/text_cursor.h"
 
@@ -82,7 +81,7 @@ class OffColors {
 class OffScan {
  public:
   OffScan(const std::string& path, std::string_view text, CanonicalFile& file)
-      : text_(text), cursor_(path, text, '#'), file_(file) {}
+      : path_(path), text_(text), cursor_(path, text, '#'), file_(file) {}
 
   void run() {
     header_ = scan_header(cursor_);
@@ -158,7 +157,6 @@ class OffScan {
   }
 
   void scan_faces() {
-    splitter_.emplace(file_.n_vertices);
     face_begins_.reserve(file_.n_faces + 1);
     for (std::size_t f = 0; f < file_.n_faces; ++f) {
       if (!cursor_.skip_to_token()) cursor_.fail(fmt::format("face {} of {}", f + 1, file_.n_faces), {});
@@ -189,14 +187,11 @@ class OffScan {
     const bool has_face_colors = vertex_colors_.empty() && !face_colors_.empty();
     std::vector<LinearRgb> of_faces;
     if (!vertex_colors_.empty()) file_.colors = vertex_colors_.decode("vertices", findings);
-    if (has_face_colors) {
-      of_faces = face_colors_.decode("faces", findings);
-      file_.colors.assign(file_.n_vertices, LinearRgb{1, 1, 1});
-    }
+    if (has_face_colors) of_faces = face_colors_.decode("faces", findings);
+    CornerAttributes attributes(file_, false, has_face_colors);
+    KeptFaces kept(file_);
     std::string faces;
     faces.reserve(8 * corners_.size());
-    ValueNumbers numbers;
-    std::size_t n_too_small = 0, n_kept = 0;
     const auto append = [&faces](std::size_t value, char separator) {
       char digits[24];
       faces.append(digits, std::to_chars(digits, digits + sizeof digits, value).ptr);
@@ -204,37 +199,20 @@ class OffScan {
     };
     for (std::size_t f = 0; f < file_.n_faces; ++f) {
       const std::size_t begin = face_begins_[f], end = face_begins_[f + 1];
-      if (end - begin < 3) {
-        if (n_too_small++ == 0)
-          for (std::size_t i = 0; i < n_kept; ++i)
-            file_.face_indices.push_back(static_cast<std::uint32_t>(i));
-        continue;
-      }
-      if (n_too_small > 0) file_.face_indices.push_back(static_cast<std::uint32_t>(f));
-      ++n_kept;
+      if (!kept.keep(end - begin)) continue;
       append(end - begin, ' ');
-      const std::uint32_t number =
-          has_face_colors ? numbers.number_of(of_faces[f].r, of_faces[f].g, of_faces[f].b) : 0;
       for (std::size_t c = begin; c < end; ++c) {
-        std::uint32_t v = corners_[c];
-        if (has_face_colors) {
-          v = splitter_->vertex_for(v, {number, 0, 0});
-          if (v == file_.colors.size()) file_.colors.emplace_back();
-          file_.colors[v] = of_faces[f];
-        }
+        const std::uint32_t v =
+            attributes.vertex_for(corners_[c], glm::vec2(0), has_face_colors ? of_faces[f] : LinearRgb{});
         append(v, c + 1 == end ? '\n' : ' ');
       }
     }
-    if (n_kept == 0) cursor_.fail("faces of three or more corners", {});
-    add_finding(findings, "faces_below_three_corners", n_too_small,
-                "faces have fewer than three corners; left out");
-    file_.copied_vertices = splitter_->copies();
-    for (const std::uint32_t v : file_.copied_vertices) {
+    kept.finish(path_);
+    attributes.finish();
+    for (const std::uint32_t v : file_.copied_vertices)
       body_.append(body_, vertex_lines_[v], vertex_lines_[v + 1] - vertex_lines_[v]);
-      if (header_.has_normals) file_.normals.push_back(file_.normals[v]);
-      if (header_.has_texcoords) file_.texcoords.push_back(file_.texcoords[v]);
-    }
-    file_.bytes = fmt::format("OFF\n{} {} 0\n", file_.n_vertices + file_.copied_vertices.size(), n_kept);
+    file_.bytes =
+        fmt::format("OFF\n{} {} 0\n", file_.n_vertices + file_.copied_vertices.size(), kept.n_kept());
     file_.bytes += body_;
     file_.bytes += faces;
   }
@@ -248,13 +226,13 @@ class OffScan {
     }
   }
 
+  const std::string& path_;
   std::string_view text_;
   TextCursor cursor_;
   CanonicalFile& file_;
   OffHeader header_;
   bool reader_knows_header_ = false;
   OffColors vertex_colors_, face_colors_;
-  std::optional<CornerSplitter> splitter_;
   std::string body_;
   std::vector<std::size_t> vertex_lines_;  // V + 1: where each begins in body_.
   std::vector<std::size_t> face_begins_;   // F + 1: into corners_.

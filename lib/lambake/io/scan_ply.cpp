@@ -1,15 +1,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bit>
 #include <cstring>
 #include <limits>
 #include <optional>
 #include <span>
 
 #include "lambake/core/error.h"
-#include "lambake/geometry/split_corners.h"
 #include "lambake/io/canonical_file.h"
+#include "lambake/io/corner_attributes.h"
 #include "lambake/io/file_color.h"
 #include "lambake/io/file_texture.h"
 #include "lambake/io/ply_header.h"
@@ -162,7 +161,7 @@ template <typename Body>
 class PlyScan {
  public:
   PlyScan(const std::string& path, const PlyHeader& header, Body body, CanonicalFile& file)
-      : path_(path), header_(header), body_(body), file_(file) {}
+      : path_(path), header_(header), body_(body), file_(file), kept_(file) {}
 
   void run() {
     const PlyElement* vertex = find("vertex");
@@ -175,7 +174,6 @@ class PlyScan {
     if (face == nullptr || face->count == 0)
       throw IoError(path_, "header: expected faces, found none (a point cloud has nothing to light)");
     file_.n_vertices = vertex->count;
-    splitter_.emplace(vertex->count);
     for (const PlyElement& element : header_.elements) {
       if (&element == vertex) {
         scan_vertices(element);
@@ -281,11 +279,7 @@ class PlyScan {
     const bool vertex_has_colors = std::any_of(vertex.properties.begin(), vertex.properties.end(),
                                                [](const auto& p) { return role_in_vertex(p) == Role::red; });
     const bool has_colors = channels[0] && channels[1] && channels[2] && !vertex_has_colors;
-    if (has_colors) face_corner_colors_ = true;
-    if (has_texcoords) {
-      file_.texcoords.assign(file_.n_vertices, glm::vec2(0));
-    }
-    if (has_colors) file_.colors.assign(file_.n_vertices, LinearRgb{1, 1, 1});
+    corner_attributes_.emplace(file_, has_texcoords, has_colors);
     face_rows_.reserve(std::min(body_.remaining() + 4 * element.count, element.count * 64));
 
     std::vector<std::uint32_t> corners;
@@ -321,15 +315,14 @@ class PlyScan {
       if (has_texture) file_.face_materials.push_back(material_of_texture(texture));
       if (has_colors || has_texcoords) {
         const LinearRgb c{color[0], color[1], color[2]};
-        const std::uint32_t number = has_colors ? color_numbers_.number_of(c.r, c.g, c.b) : 0;
         const bool is_mapped = texcoords.size() == 2 * corners.size();
         n_odd_texcoords += has_texcoords && !is_mapped;
         for (std::size_t i = 0; i < corners.size(); ++i) {
           const glm::vec2 t = is_mapped ? glm::vec2(texcoords[2 * i], texcoords[2 * i + 1]) : glm::vec2(0);
-          corners[i] = split(corners[i], t, c, number, has_texcoords, has_colors);
+          corners[i] = corner_attributes_->vertex_for(corners[i], t, c);
         }
       }
-      append_face(f, corners);
+      append_face(corners);
     }
     add_finding(file_.findings, "odd_texcoords", n_odd_texcoords,
                 "faces have no texture coordinate for each corner; (0,0) instead");
@@ -338,20 +331,6 @@ class PlyScan {
   std::uint32_t material_of_texture(std::int64_t number) const {
     const auto n = static_cast<std::int64_t>(header_.texture_files.size());
     return number >= 0 && number < n ? static_cast<std::uint32_t>(number) : static_cast<std::uint32_t>(n);
-  }
-
-  std::uint32_t split(std::uint32_t vertex, const glm::vec2& texcoord, const LinearRgb& color,
-                      std::uint32_t color_number, bool has_texcoords, bool has_colors) {
-    const std::uint32_t id = splitter_->vertex_for(
-        vertex,
-        {std::bit_cast<std::uint32_t>(texcoord.x), std::bit_cast<std::uint32_t>(texcoord.y), color_number});
-    const auto set = [id](auto& values, const auto& value) {
-      if (id == values.size()) values.push_back(value);
-      values[id] = value;
-    };
-    if (has_texcoords) set(file_.texcoords, texcoord);
-    if (has_colors) set(file_.colors, color);
-    return id;
   }
 
   void read_indices(const PlyProperty& p, std::vector<std::uint32_t>& corners) {
@@ -365,14 +344,8 @@ class PlyScan {
     return static_cast<std::uint32_t>(index);
   }
 
-  void append_face(std::size_t index, std::span<const std::uint32_t> corners) {
-    if (corners.size() < 3) {
-      if (n_too_small_++ == 0)
-        for (std::size_t f = 0; f < n_kept_; ++f) file_.face_indices.push_back(static_cast<std::uint32_t>(f));
-      return;
-    }
-    if (n_too_small_ > 0) file_.face_indices.push_back(static_cast<std::uint32_t>(index));
-    ++n_kept_;
+  void append_face(std::span<const std::uint32_t> corners) {
+    if (!kept_.keep(corners.size())) return;
     const auto n = static_cast<std::uint32_t>(corners.size());
     append_bytes(face_rows_, &n, 4);
     append_bytes(face_rows_, corners.data(), 4 * corners.size());
@@ -406,27 +379,20 @@ class PlyScan {
           if (n_in_strip >= 2) {
             const bool is_odd = n_in_strip % 2 == 1;
             const std::uint32_t corners[3] = {last[is_odd ? 1 : 0], last[is_odd ? 0 : 1], v};
-            append_face(file_.n_faces++, corners);
+            append_face(corners);
+            ++file_.n_faces;
           }
           last[0] = last[1];
           last[1] = v;
           ++n_in_strip;
         }
       }
-    if (file_.n_faces == 0) throw IoError(path_, "tristrips: expected triangles, found none");
   }
 
   void finish() {
-    add_finding(file_.findings, "faces_below_three_corners", n_too_small_,
-                "faces have fewer than three corners; left out");
-    if (n_kept_ == 0) throw IoError(path_, "expected faces of three or more corners, found none");
-    file_.copied_vertices = splitter_->copies();
+    kept_.finish(path_);
     if (!header_.has_linear_colors) decode_file_colors(file_.colors, file_.findings);
-    // Opacities of copies: they only exist with vertex colours, which leave no reason to copy but texcoords.
-    for (const std::uint32_t v : file_.copied_vertices) {
-      if (!file_.opacities.empty()) file_.opacities.push_back(file_.opacities[v]);
-      if (!file_.colors.empty() && !face_corner_colors_) file_.colors.push_back(file_.colors[v]);
-    }
+    if (corner_attributes_) corner_attributes_->finish();
     for (const std::string& name : header_.texture_files) {
       Material material;
       material.name = name;
@@ -441,7 +407,7 @@ class PlyScan {
         "property float z\n{}{}element face {}\nproperty list int int vertex_indices\nend_header\n",
         file_.n_vertices + file_.copied_vertices.size(),
         file_.has_normals ? "property float nx\nproperty float ny\nproperty float nz\n" : "",
-        file_.has_texcoords ? "property float u\nproperty float v\n" : "", n_kept_);
+        file_.has_texcoords ? "property float u\nproperty float v\n" : "", kept_.n_kept());
     out.reserve(out.size() + vertex_rows_.size() + row_size_ * file_.copied_vertices.size() +
                 face_rows_.size());
     out += vertex_rows_;
@@ -453,12 +419,10 @@ class PlyScan {
   const PlyHeader& header_;
   Body body_;
   CanonicalFile& file_;
-  std::optional<CornerSplitter> splitter_;
-  ValueNumbers color_numbers_;
-  bool face_corner_colors_ = false;
+  std::optional<CornerAttributes> corner_attributes_;
+  KeptFaces kept_;
   std::string vertex_rows_, face_rows_;
   std::size_t row_size_ = 0;
-  std::size_t n_kept_ = 0, n_too_small_ = 0;
 };
 
 }  // namespace
