@@ -51,6 +51,18 @@ std::vector<ManifestRow> read_manifest() {
   return rows;
 }
 
+/// What the refusal of a file says; a failure if it is read.
+std::string refusal_of(const std::string& path) {
+  try {
+    read_scene_file(path);
+  } catch (const IoError& error) {
+    EXPECT_EQ(error.exit_code(), 3);
+    return error.what();
+  }
+  ADD_FAILURE() << path << " was read";
+  return {};
+}
+
 TEST(MeshFile, EveryFileOfTheManifest_HasTheCountsOfTheManifest) {
   const std::vector<ManifestRow> rows = read_manifest();
   ASSERT_GT(rows.size(), 80u);
@@ -63,6 +75,282 @@ TEST(MeshFile, EveryFileOfTheManifest_HasTheCountsOfTheManifest) {
     EXPECT_EQ(file.n_faces, row.n_faces);
     EXPECT_GE(file.scene.mesh.n_vertices(), row.n_vertices);
   }
+}
+
+TEST(MeshFile, FilesOfTheManifestThatAreNoMesh_AreRefusedInOneLine) {
+  std::size_t n_refused = 0;
+  for (const ManifestRow& row : read_manifest()) {
+    if (!row.path.starts_with("bad/")) continue;
+    SCOPED_TRACE(row.path);
+    const std::string path = (meshes_folder / row.path).string();
+    if (row.n_faces > 0) {
+      const SceneFile file = read_scene_file(path);
+      EXPECT_EQ(file.n_vertices, row.n_vertices);
+      EXPECT_EQ(file.n_faces, row.n_faces);
+      EXPECT_FALSE(file.findings.empty());
+    } else {
+      ++n_refused;
+      EXPECT_EQ(refusal_of(path).find('\n'), std::string::npos);
+    }
+  }
+  EXPECT_EQ(n_refused, 7u);
+}
+
+class MeshFileTest : public testing::Test {
+ protected:
+  MeshFileTest() { std::filesystem::create_directories(folder); }
+  ~MeshFileTest() override { std::filesystem::remove_all(folder); }
+
+  std::string write(const std::string& name, const std::string& bytes) {
+    const std::string path = (folder / name).string();
+    std::ofstream(path, std::ios::binary) << bytes;
+    return path;
+  }
+  SceneFile read(const std::string& name, const std::string& bytes) {
+    return read_scene_file(write(name, bytes));
+  }
+  std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "lambake_mesh_file";
+};
+
+std::size_t count_of(const SceneFile& file, const std::string& code) {
+  std::size_t n = 0;
+  for (const Finding& finding : file.findings) n += finding.code == code ? finding.count : 0;
+  return n;
+}
+
+std::string ply(const std::string& vertex_properties, const std::string& face_properties,
+                std::size_t n_vertices, std::size_t n_faces, const std::string& body) {
+  return "ply\nformat ascii 1.0\nelement vertex " + std::to_string(n_vertices) +
+         "\nproperty float x\nproperty float y\nproperty float z\n" + vertex_properties + "element face " +
+         std::to_string(n_faces) + "\nproperty list uchar int vertex_indices\n" + face_properties +
+         "end_header\n" + body;
+}
+
+constexpr const char* triangle = "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+
+TEST_F(MeshFileTest, NumbersThatAreNotFinite_AreKeptAndCounted) {
+  const SceneFile from_ply = read("a.ply", ply("", "", 3, 1, "0 nan 0\n1 -inf 0\n0 1e99 0\n3 0 1 2\n"));
+  const SceneFile from_obj = read("a.obj", "v 0 nan 0\nv 1 -inf 0\nv 0 1e99 0\nf 1 2 3\n");
+  const SceneFile from_off = read("a.off", "OFF\n3 1 0\n0 nan 0\n1 -inf 0\n0 1e99 0\n3 0 1 2\n");
+  for (const SceneFile* file : {&from_ply, &from_obj, &from_off}) {
+    SCOPED_TRACE(file->format);
+    const std::vector<glm::vec3>& p = file->scene.mesh.positions;
+    ASSERT_EQ(p.size(), 3u);
+    EXPECT_TRUE(std::isnan(p[0].y));
+    EXPECT_EQ(p[1], glm::vec3(1, -INFINITY, 0));
+    EXPECT_EQ(p[2], glm::vec3(0, INFINITY, 0));
+    EXPECT_EQ(count_of(*file, "non_finite_vertices"), 3u);
+  }
+}
+
+TEST_F(MeshFileTest, ObjCornersThatDiffer_SplitTheirVertexAndOnlyIt) {
+  const SceneFile file =
+      read("a.obj",
+           "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 0\nvn 0 0 2\nvn 0 1 0\n"
+           "f 1/1/1 2/2/1 3/2/1\nf 1/3/1 3/2/2 4/2/1\n");
+  const Mesh& mesh = file.scene.mesh;
+  EXPECT_EQ(file.n_vertices, 4u);
+  ASSERT_EQ(mesh.n_vertices(), 5u);  // vt 3 has the value of vt 1; only vertex 3 has two normals.
+  EXPECT_EQ(mesh.source_vertices, (std::vector<std::uint32_t>{0, 1, 2, 3, 2}));
+  EXPECT_EQ(mesh.positions[4], mesh.positions[2]);
+  EXPECT_EQ(mesh.triangles, (std::vector<glm::uvec3>{{0, 1, 2}, {0, 4, 3}}));
+  EXPECT_EQ(mesh.normals[2], glm::vec3(0, 0, 1));
+  EXPECT_EQ(mesh.normals[4], glm::vec3(0, 1, 0));
+  EXPECT_EQ(mesh.texcoords[0][0], glm::vec2(0, 1));  // Origin at the upper left.
+  EXPECT_EQ(mesh.texcoords[0][1], glm::vec2(1, 1));
+  EXPECT_EQ(count_of(file, "split_vertices"), 1u);
+}
+
+TEST_F(MeshFileTest, ObjFaceThatRepeatsAVertex_IsKeptWithoutACopy) {
+  const SceneFile file = read("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 1 2\nf 1 2 3\nf 3 1 2 3\n");
+  EXPECT_EQ(file.scene.mesh.n_vertices(), 3u);
+  EXPECT_EQ(file.scene.mesh.triangles, (std::vector<glm::uvec3>{{0, 0, 1}, {0, 1, 2}, {2, 0, 1}}));
+  EXPECT_EQ(count_of(file, "repeated_vertex_faces"), 1u);
+}
+
+TEST_F(MeshFileTest, ObjMaterials_BecomeBaseColorsByFace) {
+  write("a.mtl", "newmtl red one\nKd 1 0 0\nmap_Kd -s 1 1 missing.png\nnewmtl grey\nKd 0.5 0.5 0.5\n");
+  const SceneFile file = read("a.obj",
+                              "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nusemtl red one\nf 1 2 3\n"
+                              "usemtl grey\nf 1 2 3\nusemtl none\nf 1 2 3\n");
+  const Scene& scene = file.scene;
+  ASSERT_EQ(scene.mesh.n_triangles(), 4u);
+  const auto color = [&](std::size_t t) { return scene.materials[scene.mesh.material_of(t)].base_color; };
+  EXPECT_EQ(color(0), (LinearRgb{1, 1, 1}));
+  EXPECT_EQ(color(1), (LinearRgb{1, 0, 0}));
+  EXPECT_NEAR(color(2).g, 0.2140f, 1e-4f);  // sRGB 0.5.
+  EXPECT_EQ(color(3), (LinearRgb{1, 1, 1}));
+  EXPECT_EQ(count_of(file, "unknown_materials"), 1u);
+  EXPECT_EQ(count_of(file, "unreadable_textures"), 1u);
+  EXPECT_EQ(count_of(file, "texture_options"), 1u);
+  // Faces of different material share no vertex.
+  EXPECT_EQ(scene.mesh.n_vertices(), 12u);
+}
+
+TEST_F(MeshFileTest, ObjLineContinuationsAndRelativeIndices_AreRead) {
+  const SceneFile file =
+      read("a.obj", "v 0 0 0\r\nv 1 0 \\\r\n0\r\nv 0 1 0\r\nf -3 \\\n-2 -1\nv 5 5 5\nf -1 1 2 # why not\n");
+  EXPECT_EQ(file.scene.mesh.triangles, (std::vector<glm::uvec3>{{0, 1, 2}, {3, 0, 1}}));
+}
+
+TEST_F(MeshFileTest, PlyColors_AreDecodedFromSrgbWhateverTheirType) {
+  const std::string header = "property TYPE red\nproperty TYPE green\nproperty TYPE blue\n";
+  const auto read_color = [&](const std::string& type, const std::string& values) {
+    std::string properties = header;
+    for (std::size_t at; (at = properties.find("TYPE")) != std::string::npos;)
+      properties.replace(at, 4, type);
+    const std::string v = " " + values + "\n";
+    return read("a.ply", ply(properties, "", 3, 1, "0 0 0" + v + "1 0 0" + v + "0 1 0" + v + "3 0 1 2\n"));
+  };
+  EXPECT_EQ(to_srgb8(read_color("uchar", "0 128 255").scene.mesh.colors[2]), (Srgb8{0, 128, 255}));
+  EXPECT_EQ(to_srgb8(read_color("ushort", "0 32896 65535").scene.mesh.colors[2]), (Srgb8{0, 128, 255}));
+  const LinearRgb fine = read_color("float", "0.0123 0.5 1").scene.mesh.colors[1];
+  EXPECT_FLOAT_EQ(fine.r, srgb_decode(0.0123f));
+  EXPECT_FLOAT_EQ(fine.g, srgb_decode(0.5f));
+  EXPECT_EQ(read_color("double", "1 nan 0").scene.mesh.colors[0], (LinearRgb{1, 1, 1}));
+  EXPECT_EQ(count_of(read_color("double", "1 nan 0"), "non_finite_colors"), 3u);
+  EXPECT_EQ(read_color("float", "0 0 255").scene.mesh.colors[0], (LinearRgb{0, 0, 1}));
+  EXPECT_EQ(count_of(read_color("float", "-1 0 1.5"), "colors_out_of_range"), 3u);
+}
+
+TEST_F(MeshFileTest, PlyFaceColors_SplitTheVerticesBetweenThem) {
+  const std::string colors = "property uchar red\nproperty uchar green\nproperty uchar blue\n";
+  const std::string body = "0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2 255 0 0\n3 0 2 3 0 0 255\n";
+  const Mesh mesh = read("a.ply", ply("", colors, 4, 2, body)).scene.mesh;
+  ASSERT_EQ(mesh.n_vertices(), 6u);
+  for (std::size_t t = 0; t < 2; ++t)
+    for (int c = 0; c < 3; ++c)
+      EXPECT_EQ(mesh.colors[mesh.triangles[t][c]], t == 0 ? (LinearRgb{1, 0, 0}) : (LinearRgb{0, 0, 1}));
+}
+
+TEST_F(MeshFileTest, PlyTexcoordsOfCorners_SplitTheVertices) {
+  const std::string body = "0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2 6 0 0 1 0 1 1\n3 0 2 3 6 0 0 .5 1 0 1\n";
+  const Mesh mesh = read("a.ply", ply("", "property list uchar float texcoord\n", 4, 2, body)).scene.mesh;
+  ASSERT_EQ(mesh.n_vertices(), 5u);
+  EXPECT_EQ(mesh.source_vertices[4], 2u);
+  EXPECT_EQ(mesh.texcoords[0][2], glm::vec2(1, 0));
+  EXPECT_EQ(mesh.texcoords[0][4], glm::vec2(0.5f, 0));
+}
+
+TEST_F(MeshFileTest, PlyTriangleStrips_WindAsOne) {
+  const Mesh mesh =
+      read("a.ply",
+           "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\nproperty float z\n"
+           "element tristrips 1\nproperty list int int vertex_indices\nend_header\n"
+           "0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 2 0\n9 0 1 2 3 4 -1 2 3 4\n")
+          .scene.mesh;
+  EXPECT_EQ(mesh.triangles, (std::vector<glm::uvec3>{{0, 1, 2}, {2, 1, 3}, {2, 3, 4}, {2, 3, 4}}));
+}
+
+TEST_F(MeshFileTest, OffColors_AreWholeNumbersOrFloatsForTheWholeFile) {
+  const auto first_color = [this](const std::string& a, const std::string& b) {
+    return read("a.off", "OFF\n3 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2 " + a + "\n3 2 1 0 " + b + "\n")
+        .scene.mesh.colors[0];
+  };
+  EXPECT_EQ(first_color("1 0 0", "0 0.5 0"), (LinearRgb{1, 0, 0}));
+  EXPECT_EQ(first_color("255 0 0 255", "0 128 0 255"), (LinearRgb{1, 0, 0}));
+  EXPECT_FLOAT_EQ(first_color("1 0 0", "0 128 0").r, srgb_decode(1.0f / 255.0f));
+}
+
+TEST_F(MeshFileTest, OffAttributesBehindAComment_AreReadToo) {
+  for (const std::string comment : {"", "# first\n"}) {
+    const Mesh mesh =
+        read("a.off",
+             comment + "STNOFF\n3 1 0\n0 0 0 0 0 2 0 0\n1 0 0 0 0 1 1 .25\n0 1 0 0 1 0 0 1\n3 0 1 2\n")
+            .scene.mesh;
+    EXPECT_EQ(mesh.normals, (std::vector<glm::vec3>{{0, 0, 1}, {0, 0, 1}, {0, 1, 0}}));
+    EXPECT_EQ(mesh.texcoords[0][1], glm::vec2(1, 0.75f));
+    EXPECT_EQ(mesh.positions[1], glm::vec3(1, 0, 0));
+  }
+}
+
+TEST_F(MeshFileTest, Stl_IsWeldedExactlyAndKeepsEveryFacetInItsPlace) {
+  const auto facet = [](const std::string& a, const std::string& b, const std::string& c) {
+    return "facet normal 0 0 0\nouter loop\nvertex " + a + "\nvertex " + b + "\nvertex " + c +
+           "\nendloop\nendfacet\n";
+  };
+  const SceneFile file =
+      read("a.stl", "solid\n" + facet("0 0 0", "1 0 0", "0 1 0") + facet("0 0 0", "0 0 0", "1 0 0") +
+                        facet("-0 0 0", "0 1 0", "nan 1 0") + facet("0 1 0", "1 0 0", "1 1.0000001 0") +
+                        facet("0 0 0", "1e-38 0 0", "1 0 0") + "endsolid\n");
+  const Mesh& mesh = file.scene.mesh;
+  EXPECT_EQ(file.n_faces, 5u);
+  EXPECT_EQ(file.n_vertices, 6u);
+  ASSERT_EQ(mesh.n_triangles(), 5u);
+  EXPECT_EQ(mesh.triangles[0], glm::uvec3(0, 1, 2));
+  EXPECT_EQ(mesh.triangles[1], glm::uvec3(0, 0, 1));
+  EXPECT_EQ(mesh.triangles[2].x, 0u);
+  EXPECT_TRUE(std::isnan(mesh.positions[mesh.triangles[2].z].x));
+  EXPECT_EQ(mesh.triangles[3].x, 2u);
+  EXPECT_EQ(mesh.positions[mesh.triangles[4].y].x, 1e-38f);
+  EXPECT_EQ(count_of(file, "welded_vertices"), 9u);
+}
+
+/// Area of all polygons by the shoelace formula in space, and of the triangles, by file face.
+TEST(MeshFile, PolygonsOfRealFiles_AreCutWithoutLosingOrDoublingArea) {
+  for (const std::string name : {"classic/plus-shape.obj", "classic/mpi.off", "dirty/platonic_shelf.obj"}) {
+    SCOPED_TRACE(name);
+    const SceneFile file = read_scene_file((meshes_folder / name).string());
+    const Mesh& mesh = file.scene.mesh;
+    // Planar polygons: the sum of the area vectors is as long as the sum of their lengths.
+    std::vector<glm::dvec3> sums(file.n_faces, glm::dvec3(0));
+    std::vector<double> lengths(file.n_faces, 0);
+    for (std::size_t t = 0; t < mesh.n_triangles(); ++t) {
+      const glm::dvec3 a(mesh.positions[mesh.triangles[t].x]);
+      const glm::dvec3 area = glm::cross(glm::dvec3(mesh.positions[mesh.triangles[t].y]) - a,
+                                         glm::dvec3(mesh.positions[mesh.triangles[t].z]) - a);
+      sums[mesh.source_face_of(t)] += area;
+      lengths[mesh.source_face_of(t)] += glm::length(area);
+    }
+    for (std::size_t f = 0; f < file.n_faces; ++f)
+      EXPECT_NEAR(glm::length(sums[f]), lengths[f], 1e-3 * lengths[f]) << f;
+    EXPECT_EQ(count_of(file, "polygon_fans"), 0u);
+  }
+}
+
+struct Refused {
+  const char* name;
+  std::string bytes;
+  const char* place;
+  const char* expected;
+};
+
+TEST_F(MeshFileTest, UnsoundFiles_AreRefusedWithThePlaceAndWhatWasExpected) {
+  const std::string obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+  const std::vector<Refused> cases{
+      {"a.ply", ply("", "", 3, 1, "0 0 0\n1 0 x\n0 1 0\n3 0 1 2\n"), "line 11",
+       "expected a number, found \"x\""},
+      {"a.ply", ply("", "", 3, 1, "0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n"), "line 13", "index below 3, found 3"},
+      {"a.ply", ply("", "", 3, 1, "0 0 0\n1 0 0\n0 1 0\n3 0 1 -1\n"), "line 13", "found -1"},
+      {"a.ply", ply("", "", 3, 2, triangle), "line 14", "found the end of the file"},
+      {"a.ply", ply("", "", 300, 2, triangle), "line 3", "300"},
+      {"a.ply", "plx\n", "line 1", "expected \"ply\""},
+      {"a.ply", "ply\nformat ascii 2.0\n", "line 2", "expected \"1.0\", found \"2.0\""},
+      {"a.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty half x\n", "line 4", "found \"half\""},
+      {"a.obj", obj + "f 1 2 4\n", "line 4", "one of 3 vertexs, found \"4\""},
+      {"a.obj", obj + "f 1 2 0\n", "line 4", "found \"0\""},
+      {"a.obj", obj + "f 1 2 -4\n", "line 4", "found \"-4\""},
+      {"a.obj", obj + "f 1/1 2/1 3/1\n", "line 4", "texture coordinate"},
+      {"a.obj", obj + "f 1 2 3a\n", "line 4", "v/vt/vn"},
+      {"a.obj", "v 0 0\n" + obj, "line 1", "found the end of the line"},
+      {"a.obj", obj, "", "expected faces"},
+      {"a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", "line 6", "below 3, found \"3\""},
+      {"a.off", "OFF\n3 90 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", "line 2", "found \"90\""},
+      {"a.off", "4OFF\n", "line 1", "found \"4OFF\""},
+      {"a.stl", "solid\nfacet normal 0 0 0\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nendloop\n", "line 6",
+       "expected \"vertex\""},
+      {"a.stl", "solid\nfacet normal 0 0 0\nouter loop\nvertex 0 0 z\n", "line 4", "found \"z\""},
+      {"a.om", "OMT\x40", "byte 4", "found 0 bytes"},
+      {"a.xyz", "0 0 0\n", "", "expected the extension"},
+      {"a.ply", "", "", "found no bytes"}};
+  for (const Refused& c : cases) {
+    const std::string message = refusal_of(write(c.name, c.bytes));
+    EXPECT_TRUE(message.starts_with((folder / c.name).string() + ": " + c.place)) << message;
+    EXPECT_NE(message.find(c.expected), std::string::npos) << message << "\nexpected " << c.expected;
+  }
+  EXPECT_NE(refusal_of((folder / "none.ply").string()).find("found none"), std::string::npos);
+  std::filesystem::create_directory(folder / "folder.ply");
+  EXPECT_NE(refusal_of((folder / "folder.ply").string()).find("found a folder"), std::string::npos);
 }
 
 }  // namespace

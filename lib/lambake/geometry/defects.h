@@ -22,7 +22,8 @@ struct Defects {
   bool is_consistently_wound = false;     ///< No conflicting edges.
 };
 
-/// O(V + F log F).
-Defects find_defects(const Mesh& mesh);
+/// O(V + F) for a bounded number of faces around a vertex; the same for any number of threads.
+/// @param with_parts  counts duplicate_positions and components too, O(V log V).
+Defects find_defects(const Mesh& mesh, bool with_parts = true);
 
 }  // namespace lambake

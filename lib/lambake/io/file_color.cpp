@@ -18,6 +18,7 @@ void decode_file_colors(std::vector<LinearRgb>& colors, Findings& findings) {
   const float scale = counts_to_255 ? 1.0f / 255.0f : 1.0f;
   // Neighbours often have the same colour, and the curve is dear.
   LinearRgb last_encoded{0, 0, 0}, last_linear{0, 0, 0};
+  bool is_last_outside = false;
   for (LinearRgb& c : colors) {
     if (!is_finite(c)) {
       c = {1, 1, 1};
@@ -25,13 +26,16 @@ void decode_file_colors(std::vector<LinearRgb>& colors, Findings& findings) {
     }
     if (c == last_encoded) {
       c = last_linear;
+      n_outside += is_last_outside;
       continue;
     }
     last_encoded = c;
     const LinearRgb scaled = c * scale;
     const auto decode = [](float channel) { return srgb_decode(std::clamp(channel, 0.0f, 1.0f)); };
     c = last_linear = {decode(scaled.r), decode(scaled.g), decode(scaled.b)};
-    n_outside += std::min({scaled.r, scaled.g, scaled.b}) < 0 || std::max({scaled.r, scaled.g, scaled.b}) > 1;
+    is_last_outside =
+        std::min({scaled.r, scaled.g, scaled.b}) < 0 || std::max({scaled.r, scaled.g, scaled.b}) > 1;
+    n_outside += is_last_outside;
   }
   add_finding(findings, "non_finite_colors", n_non_finite, "colours are not finite; white instead");
   add_finding(findings, "colors_out_of_range", n_outside, "colours lie outside of [0,1]; clamped");

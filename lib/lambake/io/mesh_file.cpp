@@ -110,7 +110,7 @@ void normalize_normals(std::vector<glm::vec3>& normals, Findings& findings) {
 }
 
 void add_defects(const Mesh& mesh, Findings& findings) {
-  const Defects d = find_defects(mesh);
+  const Defects d = find_defects(mesh, false);
   add_finding(findings, "non_finite_vertices", d.non_finite_vertices,
               "vertices have a coordinate that is not finite; kept, their faces are neither lit nor seen");
   add_finding(findings, "isolated_vertices", d.isolated_vertices, "vertices are in no face; kept");

@@ -9,6 +9,7 @@
 #include <OpenMesh/Core/IO/reader/STLReader.hh>
 #include <OpenMesh/Core/Mesh/BaseKernel.hh>
 #include <OpenMesh/Core/System/omstream.hh>
+#include <algorithm>
 #include <exception>
 #include <istream>
 #include <mutex>
@@ -25,7 +26,7 @@ using namespace OpenMesh;  // NOLINT: every signature below is OpenMesh's.
 /// Takes what OpenMesh's readers deliver into plain arrays.
 class ArrayImporter : public IO::BaseImporter {
  public:
-  ArrayImporter(const CanonicalFile& file, OpenMeshArrays& arrays) : arrays_(arrays) {
+  ArrayImporter(const CanonicalFile& file, OpenMeshArrays& arrays) : file_(file), arrays_(arrays) {
     const std::size_t n = file.n_vertices + file.copied_vertices.size();
     arrays_.positions.reserve(n);
     if (file.has_normals) arrays_.normals.resize(n, glm::vec3(0));
@@ -58,7 +59,7 @@ class ArrayImporter : public IO::BaseImporter {
       if (arrays_.faces.empty())
         for (std::uint32_t f = 0; f < face; ++f) arrays_.faces.push_back(f);
       polygon_.clear();
-      for (const VertexHandle v : corners) polygon_.push_back(static_cast<std::uint32_t>(v.idx()));
+      for (const VertexHandle v : corners) polygon_.push_back(stood_for(static_cast<std::uint32_t>(v.idx())));
       has_polygons_ = true;
       arrays_.n_fans += !triangulate_polygon(arrays_.positions, polygon_, arrays_.triangles);
     }
@@ -107,6 +108,15 @@ class ArrayImporter : public IO::BaseImporter {
 
  private:
   static std::size_t index(VertexHandle v) { return static_cast<std::size_t>(v.idx()); }
+
+  /// The vertex that a stand-in stands for, so that the triangulation sees that the polygon repeats it.
+  std::uint32_t stood_for(std::uint32_t v) const {
+    if (v < file_.n_vertices || file_.stand_ins.empty()) return v;
+    const auto found = std::lower_bound(file_.stand_ins.begin(), file_.stand_ins.end(), std::pair(v, 0U));
+    return found != file_.stand_ins.end() && found->first == v ? found->second : v;
+  }
+
+  const CanonicalFile& file_;
   OpenMeshArrays& arrays_;
   BaseKernel kernel_;
   std::vector<std::uint32_t> polygon_;
