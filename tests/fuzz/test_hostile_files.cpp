@@ -54,7 +54,10 @@ class HostileFiles : public testing::Test {
     }
   }
 
-  std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "lambake_hostile_files";
+  // Tests may run at the same time.
+  std::filesystem::path folder =
+      std::filesystem::path(testing::TempDir()) /
+      (std::string("lambake_") + testing::UnitTest::GetInstance()->current_test_info()->name());
   std::string message;
 };
 

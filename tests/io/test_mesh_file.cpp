@@ -109,7 +109,10 @@ class MeshFileTest : public testing::Test {
   SceneFile read(const std::string& name, const std::string& bytes) {
     return read_scene_file(write(name, bytes));
   }
-  std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "lambake_mesh_file";
+  // Tests may run at the same time.
+  std::filesystem::path folder =
+      std::filesystem::path(testing::TempDir()) /
+      (std::string("lambake_") + testing::UnitTest::GetInstance()->current_test_info()->name());
 };
 
 std::size_t count_of(const SceneFile& file, const std::string& code) {

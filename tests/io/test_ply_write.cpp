@@ -32,7 +32,8 @@ class PlyWrite : public testing::Test {
   Scene scene;
   BakedColors baked;
   WrittenColors written;
-  std::string path = testing::TempDir() + "lambake_ply_write.ply";
+  std::string path = testing::TempDir() + "lambake_" +
+                     testing::UnitTest::GetInstance()->current_test_info()->name() + ".ply";
 };
 
 TEST_F(PlyWrite, ReadAgain_IsTheSameMesh) {

@@ -160,8 +160,8 @@ void append_bytes(std::string& bytes, const void* data, std::size_t size) {
 template <typename Body>
 class PlyScan {
  public:
-  PlyScan(const std::string& path, const PlyHeader& header, Body body, CanonicalFile& file)
-      : path_(path), header_(header), body_(body), file_(file), kept_(file) {}
+  PlyScan(const std::string& path, const PlyHeader& header, Body body, std::string& text, CanonicalFile& file)
+      : path_(path), header_(header), body_(body), text_(text), file_(file), kept_(file) {}
 
   void run() {
     const PlyElement* vertex = find("vertex");
@@ -401,6 +401,7 @@ class PlyScan {
     }
     if (!file_.materials.empty()) file_.materials.emplace_back();  // For faces without one.
 
+    text_ = {};  // All of it has been read, and the two are as large as each other.
     std::string& out = file_.bytes;
     out = fmt::format(
         "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty float x\nproperty float y\n"
@@ -418,6 +419,7 @@ class PlyScan {
   const std::string& path_;
   const PlyHeader& header_;
   Body body_;
+  std::string& text_;
   CanonicalFile& file_;
   std::optional<CornerAttributes> corner_attributes_;
   KeptFaces kept_;
@@ -435,15 +437,15 @@ CanonicalFile scan_ply(const std::string& path, std::string&& text) {
   switch (header.encoding) {
     case PlyEncoding::ascii:
       file.format = "PLY ascii";
-      PlyScan(path, header, AsciiBody(path, body, header.n_lines + 1), file).run();
+      PlyScan(path, header, AsciiBody(path, body, header.n_lines + 1), text, file).run();
       break;
     case PlyEncoding::little_endian:
       file.format = "PLY binary LE";
-      PlyScan(path, header, BinaryBody<false>(path, body, header.size), file).run();
+      PlyScan(path, header, BinaryBody<false>(path, body, header.size), text, file).run();
       break;
     case PlyEncoding::big_endian:
       file.format = "PLY binary BE";
-      PlyScan(path, header, BinaryBody<true>(path, body, header.size), file).run();
+      PlyScan(path, header, BinaryBody<true>(path, body, header.size), text, file).run();
       break;
   }
   return file;
