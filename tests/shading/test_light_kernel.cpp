@@ -131,6 +131,18 @@ TEST_P(LightKernel, KindsInAnyOrder_AreSummedInTheOrderOfTheLights) {
   expect_the_equation(lights, 2000);
 }
 
+TEST_P(LightKernel, SquaredDistanceBelowTheSmallestNumber_GivesNoLight) {
+  Light light;
+  light.type = LightType::point;
+  const std::vector<glm::vec3> positions(20, glm::vec3(-1e-30f, 0, 0)), normals(20, glm::vec3(1, 0, 0));
+  for (const float decay : {0.0f, 1.0f, 2.0f}) {
+    light.decay = decay;
+    std::vector<LinearRgb> out(20, LinearRgb{1, 1, 1});
+    irradiance(pack_lights(std::vector<Light>{light}), positions, normals, out);
+    EXPECT_EQ(out, std::vector<LinearRgb>(20));
+  }
+}
+
 TEST_P(LightKernel, NoLight_IsBlack) {
   expect_the_equation({}, 37);
 }

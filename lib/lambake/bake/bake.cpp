@@ -6,8 +6,6 @@
 #include "lambake/core/error.h"
 #include "lambake/core/parallel.h"
 #include "lambake/geometry/normals.h"
-#include "lambake/shading/lambert.h"
-#include "lambake/shading/light_kernel.h"
 
 namespace lambake {
 namespace {
@@ -31,27 +29,26 @@ std::vector<bool> find_unlit_vertices(const Scene& scene, const Mesh& mesh) {
 
 }  // namespace
 
-std::vector<LinearRgb> sample_at_vertices(const Scene& scene, const Mesh& mesh) {
+SampledColors sample_at_vertices(const Scene& scene, const Mesh& mesh, double light_tolerance) {
   if (mesh.normals.size() != mesh.n_vertices())
     throw InvalidScene(
         fmt::format("bake: expected {} vertex normals, found {}", mesh.n_vertices(), mesh.normals.size()));
-  std::vector<LinearRgb> colors(mesh.n_vertices());
-  const PackedLights lights = pack_lights(scene.lights);
-  const std::span<const glm::vec3> positions = mesh.positions, normals = mesh.normals;
-  parallel_blocks(mesh.n_vertices(), block_size, [&](std::size_t begin, std::size_t end) {
-    const std::size_t n = end - begin;
-    irradiance(lights, positions.subspan(begin, n), normals.subspan(begin, n),
-               std::span(colors).subspan(begin, n));
-    if (mesh.colors.empty()) return;
-    for (std::size_t v = begin; v < end; ++v) colors[v] = mesh.colors[v] * colors[v];
-  });
+  SampledColors sampled;
+  std::vector<LinearRgb>& colors = sampled.colors;
+  colors.resize(mesh.n_vertices());
+  sampled.light_error =
+      irradiance_within(scene.lights, light_tolerance, mesh.positions, mesh.normals, colors);
+  if (!mesh.colors.empty())
+    parallel_blocks(mesh.n_vertices(), block_size, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t v = begin; v < end; ++v) colors[v] = mesh.colors[v] * colors[v];
+    });
   const std::vector<bool> is_unlit = find_unlit_vertices(scene, mesh);
   for (std::size_t v = 0; v < is_unlit.size(); ++v)
     if (is_unlit[v]) colors[v] = base_color(mesh, v);
-  return colors;
+  return sampled;
 }
 
-BakedColors bake_face(const Scene& scene) {
+BakedColors bake_face(const Scene& scene, double light_tolerance) {
   const Mesh& in = scene.mesh;
   BakedColors baked;
   Mesh& out = baked.mesh.emplace();
@@ -78,18 +75,24 @@ BakedColors bake_face(const Scene& scene) {
   }
 
   const std::vector<glm::vec3> normals = face_normals(in);
+  std::vector<glm::vec3> centroids(n);
+  parallel_blocks(n, block_size, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t f = begin; f < end; ++f) {
+      const glm::uvec3& t = in.triangles[f];
+      centroids[f] = (in.positions[t[0]] + in.positions[t[1]] + in.positions[t[2]]) / 3.0f;
+    }
+  });
+  std::vector<LinearRgb> received(n);
+  baked.light_error = irradiance_within(scene.lights, light_tolerance, centroids, normals, received);
   baked.colors.resize(3 * n);
   parallel_blocks(n, block_size, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) {
       const glm::uvec3& t = in.triangles[f];
-      const glm::vec3 centroid = (in.positions[t[0]] + in.positions[t[1]] + in.positions[t[2]]) / 3.0f;
       const LinearRgb albedo =
           (base_color(in, t[0]) + base_color(in, t[1]) + base_color(in, t[2])) * (1.0f / 3.0f);
-      const glm::vec3 e = irradiance<float>(scene.lights, centroid, normals[f]);
       const bool is_unlit = scene.materials[in.material_of(f)].is_unlit;
       for (std::uint32_t c = 0; c < 3; ++c)
-        baked.colors[3 * f + c] =
-            is_unlit ? base_color(in, t[static_cast<int>(c)]) : albedo * LinearRgb{e.r, e.g, e.b};
+        baked.colors[3 * f + c] = is_unlit ? base_color(in, t[static_cast<int>(c)]) : albedo * received[f];
     }
   });
   return baked;
@@ -98,10 +101,12 @@ BakedColors bake_face(const Scene& scene) {
 BakedColors bake(const Scene& scene, const BakeOptions& options) {
   switch (options.method) {
     case BakeMethod::face:
-      return bake_face(scene);
+      return bake_face(scene, options.light_tolerance);
     case BakeMethod::sample: {
       BakedColors baked;
-      baked.colors = sample_at_vertices(scene, scene.mesh);
+      SampledColors sampled = sample_at_vertices(scene, scene.mesh, options.light_tolerance);
+      baked.colors = std::move(sampled.colors);
+      baked.light_error = sampled.light_error;
       return baked;
     }
     case BakeMethod::adaptive:

@@ -11,6 +11,7 @@
 #include "lambake/core/progress.h"
 #include "lambake/geometry/edge_cut.h"
 #include "lambake/scene/scene.h"
+#include "lambake/shading/light_tree.h"
 
 namespace lambake {
 
@@ -43,6 +44,8 @@ struct BakedColors {
   std::vector<std::uint32_t> parent_triangles;
   /// adaptive: what was reached.
   std::optional<Certificate> certificate;
+  /// Upper bound of how far merging many lights has moved a colour; 0 where all were summed.
+  LightError light_error;
   Findings findings;
 };
 
@@ -56,6 +59,9 @@ struct BakeOptions {
   /// adaptive: what becomes of a colour in the output, so that what is certified is what is written; empty:
   /// nothing.
   std::function<LinearRgb(const LinearRgb&)> as_stored{};
+  /// How much of an encoded colour in [0,1] merging many lights may cost, certified (shading/light_tree.h);
+  /// 0 sums them all.
+  double light_tolerance = 0.25 / 255;
   Progress progress{};
 };
 

@@ -7,11 +7,16 @@
 /// The methods behind bake(), one function each; internal to the folder.
 namespace lambake {
 
-/// V' colours: vertex base colour ⊗ E at the vertices of `mesh` (normals V'), which shares the scene's
-/// materials.
-std::vector<LinearRgb> sample_at_vertices(const Scene& scene, const Mesh& mesh);
+struct SampledColors {
+  std::vector<LinearRgb> colors;  ///< V'.
+  LightError light_error;
+};
 
-BakedColors bake_face(const Scene& scene);
+/// V' colours: vertex base colour ⊗ E at the vertices of `mesh` (normals V'), which shares the scene's
+/// materials. @param light_tolerance  BakeOptions::light_tolerance.
+SampledColors sample_at_vertices(const Scene& scene, const Mesh& mesh, double light_tolerance);
+
+BakedColors bake_face(const Scene& scene, double light_tolerance);
 
 BakedColors bake_adaptive(const Scene& scene, const BakeOptions& options);
 

@@ -1,0 +1,223 @@
+#include "lambake/shading/light_field.h"
+
+#include <algorithm>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "lambake/shading/light_field.cpp"
+#include <hwy/foreach_target.h>  // compiles the part below once per vector path
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace lambake::HWY_NAMESPACE {
+namespace {
+namespace hn = hwy::HWY_NAMESPACE;
+
+using Floats = hn::CappedTag<float, 16>;
+using V = hn::Vec<Floats>;
+
+constexpr int order = LightField::order;
+constexpr int n_coefficients = LightField::n_coefficients;
+
+constexpr int at(int l, int m) {
+  return LightField::harmonic_index(l, m);
+}
+
+V set(float v) {
+  return hn::Set(Floats(), v);
+}
+
+/// Sixteen numbers on every path, so that sums over lanes have the same order on all of them.
+struct Sixteen {
+  static constexpr std::size_t n_parts = 16 / hn::MaxLanes(Floats());
+  V part[n_parts];
+};
+
+HWY_INLINE Sixteen load(const float* from) {
+  Sixteen s;
+  for (std::size_t i = 0; i < Sixteen::n_parts; ++i)
+    s.part[i] = hn::LoadU(Floats(), from + i * hn::MaxLanes(Floats()));
+  return s;
+}
+
+/// Irregular solid harmonics (l − m)! P_l^m(cos θ) e^{imφ} / r^(l+1) of (x, y, z).
+HWY_INLINE void irregular_harmonics(V x, V y, V z, V s[n_coefficients]) {
+  const V one = set(1.0f);
+  const V r2 = hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z));
+  const V inverse = hn::Div(one, r2);
+  x = hn::Mul(x, inverse), y = hn::Mul(y, inverse), z = hn::Mul(z, inverse);
+  s[0] = hn::Sqrt(inverse);
+#pragma GCC unroll 16
+  for (int m = 0; m <= order; ++m) {
+    if (m == 1) {
+      s[at(1, 1)] = hn::Mul(x, s[0]);
+      s[at(1, 1) + 1] = hn::Mul(y, s[0]);
+    } else if (m > 1) {
+      const V re = s[at(m - 1, m - 1)], im = s[at(m - 1, m - 1) + 1], factor = set(float(2 * m - 1));
+      s[at(m, m)] = hn::Mul(factor, hn::Sub(hn::Mul(x, re), hn::Mul(y, im)));
+      s[at(m, m) + 1] = hn::Mul(factor, hn::Add(hn::Mul(x, im), hn::Mul(y, re)));
+    }
+#pragma GCC unroll 16
+    for (int l = m + 1; l <= order; ++l)
+#pragma GCC unroll 2
+      for (int part = 0; part <= (m > 0); ++part) {
+        V next = hn::Mul(hn::Mul(set(float(2 * l - 1)), z), s[at(l - 1, m) + part]);
+        if (l > m + 1)
+          next = hn::Sub(
+              next, hn::Mul(hn::Mul(set(float((l - 1) * (l - 1) - m * m)), inverse), s[at(l - 2, m) + part]));
+        s[at(l, m) + part] = next;
+      }
+  }
+}
+
+/// Regular solid harmonics r^l P_l^m(cos θ) e^{imφ} / (l + m)! of (x, y, z), up to order − 1.
+HWY_INLINE void regular_harmonics(V x, V y, V z, V s[n_coefficients]) {
+  const V r2 = hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z));
+  s[0] = set(1.0f);
+#pragma GCC unroll 16
+  for (int m = 0; m < order; ++m) {
+    if (m == 1) {
+      s[at(1, 1)] = hn::Mul(set(0.5f), x);
+      s[at(1, 1) + 1] = hn::Mul(set(0.5f), y);
+    } else if (m > 1) {
+      const V re = s[at(m - 1, m - 1)], im = s[at(m - 1, m - 1) + 1], factor = set(0.5f / float(m));
+      s[at(m, m)] = hn::Mul(factor, hn::Sub(hn::Mul(x, re), hn::Mul(y, im)));
+      s[at(m, m) + 1] = hn::Mul(factor, hn::Add(hn::Mul(x, im), hn::Mul(y, re)));
+    }
+#pragma GCC unroll 16
+    for (int l = m + 1; l < order; ++l)
+#pragma GCC unroll 2
+      for (int part = 0; part <= (m > 0); ++part) {
+        const float divisor = float((l + m) * (l - m));
+        V next = hn::Mul(hn::Mul(set(float(2 * l - 1) / divisor), z), s[at(l - 1, m) + part]);
+        if (l > m + 1)
+          next = hn::Sub(next, hn::Mul(hn::Mul(set(1.0f / divisor), r2), s[at(l - 2, m) + part]));
+        s[at(l, m) + part] = next;
+      }
+  }
+}
+
+float sum_of_lanes(const Sixteen& s) {
+  HWY_ALIGN float lanes[16];
+  for (std::size_t i = 0; i < Sixteen::n_parts; ++i)
+    hn::Store(s.part[i], Floats(), lanes + i * hn::MaxLanes(Floats()));
+  for (int half = 8; half > 0; half /= 2)
+    for (int i = 0; i < half; ++i) lanes[i] += lanes[i + half];
+  return lanes[0];
+}
+
+void add_lights_to(LightField& field, const LightArrays& lights, std::size_t begin, std::size_t end) {
+  Sixteen sums[3][n_coefficients];
+  for (auto& channel : sums)
+    for (Sixteen& sum : channel)
+      for (V& part : sum.part) part = hn::Zero(Floats());
+  const V scale = set(1.0f / field.radius);
+  const V cx = set(field.center.x), cy = set(field.center.y), cz = set(field.center.z);
+  for (std::size_t i = begin; i < end; i += 16) {
+    const Sixteen x = load(&lights.x[i]), y = load(&lights.y[i]), z = load(&lights.z[i]);
+    const Sixteen r = load(&lights.r[i]), g = load(&lights.g[i]), b = load(&lights.b[i]);
+    for (std::size_t p = 0; p < Sixteen::n_parts; ++p) {
+      V s[n_coefficients];
+      irregular_harmonics(hn::Mul(hn::Sub(x.part[p], cx), scale), hn::Mul(hn::Sub(y.part[p], cy), scale),
+                          hn::Mul(hn::Sub(z.part[p], cz), scale), s);
+#pragma GCC unroll 128
+      for (int k = 1; k < n_coefficients; ++k) {
+        sums[0][k].part[p] = hn::Add(sums[0][k].part[p], hn::Mul(r.part[p], s[k]));
+        sums[1][k].part[p] = hn::Add(sums[1][k].part[p], hn::Mul(g.part[p], s[k]));
+        sums[2][k].part[p] = hn::Add(sums[2][k].part[p], hn::Mul(b.part[p], s[k]));
+      }
+    }
+  }
+  for (int c = 0; c < 3; ++c)
+    for (int k = 1; k < n_coefficients; ++k) field.coefficients[c][k] += sum_of_lanes(sums[c][k]);
+}
+
+void add_irradiance_at(const LightField& field, PointArrays& points, std::size_t begin, std::size_t end) {
+  const Floats d;
+  const float inverse_radius = 1.0f / field.radius;
+  const V scale = set(inverse_radius);
+  for (std::size_t i = begin; i < end; i += hn::Lanes(d)) {
+    const V x = hn::Mul(hn::Sub(hn::LoadU(d, &points.x[i]), set(field.center.x)), scale);
+    const V y = hn::Mul(hn::Sub(hn::LoadU(d, &points.y[i]), set(field.center.y)), scale);
+    const V z = hn::Mul(hn::Sub(hn::LoadU(d, &points.z[i]), set(field.center.z)), scale);
+    const V nx = hn::LoadU(d, &points.nx[i]), ny = hn::LoadU(d, &points.ny[i]),
+            nz = hn::LoadU(d, &points.nz[i]);
+    V s[n_coefficients];
+    regular_harmonics(x, y, z, s);
+    V sum[3] = {hn::Zero(d), hn::Zero(d), hn::Zero(d)};
+    const auto add = [&](int k, V value) HWY_ATTR {
+      for (int c = 0; c < 3; ++c)
+        sum[c] = hn::Add(sum[c], hn::Mul(set(static_cast<float>(field.coefficients[c][k])), value));
+    };
+    // n·∇R_l^m = n_z R_{l−1}^m + ½ (n_x + i n_y) R_{l−1}^{m−1} − ½ (n_x − i n_y) R_{l−1}^{m+1};
+    // terms of m > 0 count twice (m and −m).
+#pragma GCC unroll 16
+    for (int l = 1; l <= order; ++l) {
+#pragma GCC unroll 16
+      for (int m = 0; m <= l; ++m) {
+        const auto re = [&](int n) HWY_ATTR { return s[at(l - 1, n)]; };
+        const auto im = [&](int n) HWY_ATTR { return n == 0 ? hn::Zero(d) : s[at(l - 1, n) + 1]; };
+        if (m == 0) {
+          V value = hn::Mul(nz, re(0));
+          if (l > 1) value = hn::Sub(value, hn::Add(hn::Mul(nx, re(1)), hn::Mul(ny, im(1))));
+          add(at(l, 0), value);
+          continue;
+        }
+        V value_re = hn::Sub(hn::Mul(nx, re(m - 1)), hn::Mul(ny, im(m - 1)));
+        V value_im = hn::Add(hn::Mul(nx, im(m - 1)), hn::Mul(ny, re(m - 1)));
+        if (m + 1 < l) {
+          value_re = hn::Sub(value_re, hn::Add(hn::Mul(nx, re(m + 1)), hn::Mul(ny, im(m + 1))));
+          value_im = hn::Sub(value_im, hn::Sub(hn::Mul(nx, im(m + 1)), hn::Mul(ny, re(m + 1))));
+        }
+        if (m < l) {
+          const V twice = hn::Add(nz, nz);
+          value_re = hn::Add(value_re, hn::Mul(twice, re(m)));
+          value_im = hn::Add(value_im, hn::Mul(twice, im(m)));
+        }
+        add(at(l, m), value_re);
+        add(at(l, m) + 1, value_im);
+      }
+    }
+    const V unit = hn::Mul(scale, scale);
+    hn::StoreU(hn::Add(hn::LoadU(d, &points.r[i]), hn::Mul(sum[0], unit)), d, &points.r[i]);
+    hn::StoreU(hn::Add(hn::LoadU(d, &points.g[i]), hn::Mul(sum[1], unit)), d, &points.g[i]);
+    hn::StoreU(hn::Add(hn::LoadU(d, &points.b[i]), hn::Mul(sum[2], unit)), d, &points.b[i]);
+  }
+}
+
+}  // namespace
+}  // namespace lambake::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace lambake {
+namespace {
+HWY_EXPORT(add_lights_to);
+HWY_EXPORT(add_irradiance_at);
+}  // namespace
+
+void LightArrays::reserve(std::size_t n) {
+  if (index.size() < n + lane_padding) {
+    for (std::vector<float>* array : {&x, &y, &z, &r, &g, &b}) array->resize(n + lane_padding);
+    index.resize(n + lane_padding);
+  }
+  size = 0;
+}
+
+void PointArrays::resize(std::size_t n) {
+  for (std::vector<float>* array : {&x, &y, &z, &nx, &ny, &nz, &r, &g, &b})
+    array->resize(n + LightArrays::lane_padding);
+}
+
+void add_lights(LightField& field, const LightArrays& lights) {
+  // Short sums in float, then one addition to the field: the rounding stays below that of 64 additions.
+  constexpr std::size_t batch = 1024;
+  for (std::size_t begin = 0; begin < lights.size; begin += batch)
+    HWY_DYNAMIC_DISPATCH(add_lights_to)(field, lights, begin, std::min(lights.size, begin + batch));
+}
+
+void add_irradiance(const LightField& field, PointArrays& points, std::size_t begin, std::size_t end) {
+  HWY_DYNAMIC_DISPATCH(add_irradiance_at)(field, points, begin, end);
+}
+
+}  // namespace lambake
+#endif  // HWY_ONCE

@@ -1,0 +1,284 @@
+#include "lambake/shading/light_tree.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "lambake/core/bounds.h"
+#include "lambake/core/parallel.h"
+#include "lambake/shading/light_cut.h"
+#include "lambake/shading/light_field.h"
+#include "lambake/shading/light_kernel.h"
+
+namespace lambake {
+namespace {
+
+constexpr std::size_t plain_block = 1024;
+/// Points dealt with together at first, and at last; each level has a quarter of the points of the one above.
+constexpr std::size_t tile_size = 8192, leaf_size = 128, n_children = 4;
+/// Below so many lights of falloff 1/d² the plain sum is faster (docs/performance.md).
+constexpr std::size_t fewest_lights = 512;
+constexpr std::size_t fewest_points = 1024;
+/// The share of the tolerance for ranges above the smallest, which use the rest of it.
+constexpr float own_light_budget = 0.6f;
+
+bool is_inverse_square(const Light& light) {
+  return light.type == LightType::point && light.decay == 2 && !(light.range > 0);
+}
+
+void sum_plainly(const PackedLights& lights, std::span<const glm::vec3> positions,
+                 std::span<const glm::vec3> normals, std::span<LinearRgb> out) {
+  parallel_blocks(out.size(), plain_block, [&](std::size_t begin, std::size_t end) {
+    const std::size_t n = end - begin;
+    irradiance(lights, lights.needs_positions ? positions.subspan(begin, n) : positions,
+               normals.subspan(begin, n), out.subspan(begin, n));
+  });
+}
+
+/// World space to the space of the tree: around the points, so long that all points and lights are within 1.
+struct Frame {
+  glm::dvec3 center{0};
+  double scale = 1;
+  glm::vec3 operator()(const glm::vec3& p) const { return glm::vec3((glm::dvec3(p) - center) * scale); }
+};
+
+Frame frame_of(const Bounds& points, std::span<const Light> lights) {
+  Frame frame;
+  frame.center = (glm::dvec3(points.min) + glm::dvec3(points.max)) * 0.5;
+  double radius = glm::length(glm::dvec3(points.max) - frame.center);
+  for (const Light& light : lights)
+    radius = std::max(radius, glm::length(glm::dvec3(light.position) - frame.center));
+  if (radius > 0) frame.scale = 1 / radius;
+  return frame;
+}
+
+/// The lower 8 bits of v, two zeros between each and the next.
+std::uint32_t spread_bits(std::uint32_t v) {
+  v = (v | (v << 8)) & 0x0000F00Fu;
+  v = (v | (v << 4)) & 0x000C30C3u;
+  return (v | (v << 2)) & 0x00249249u;
+}
+
+constexpr int key_bits = 27;
+constexpr std::uint32_t key_of_unlit = 6u << 24;  ///< Points that no positional light can reach sort last.
+
+/// Points with near keys lie near each other and face the same of six ways: the normal's largest axis, then
+/// the Morton code of the position.
+std::uint32_t key_of(const glm::vec3& position, const glm::vec3& normal, const Bounds& box,
+                     const glm::vec3& cells) {
+  const float length_squared = glm::dot(normal, normal);
+  if (!is_finite(position) || !(std::abs(length_squared - 1.0f) < 1e-3f)) return key_of_unlit;
+  const glm::vec3 a = glm::abs(normal);
+  const int axis = a.x >= a.y && a.x >= a.z ? 0 : a.y >= a.z ? 1 : 2;
+  const glm::vec3 cell = glm::clamp((position - box.min) * cells, 0.0f, 255.0f);
+  const std::uint32_t face = static_cast<std::uint32_t>(2 * axis + (normal[axis] < 0));
+  return face << 24 | spread_bits(static_cast<std::uint32_t>(cell.x)) << 2 |
+         spread_bits(static_cast<std::uint32_t>(cell.y)) << 1 |
+         spread_bits(static_cast<std::uint32_t>(cell.z));
+}
+
+struct Keyed {
+  std::uint32_t key, point;
+};
+
+/// Stable radix sort by key: 9 bits a pass.
+void sort_by_key(std::vector<Keyed>& items) {
+  constexpr int bits = 9;
+  std::array<std::array<std::uint32_t, 1u << bits>, key_bits / bits> counts{};
+  for (const Keyed& item : items)
+    for (std::size_t pass = 0; pass < counts.size(); ++pass)
+      ++counts[pass][item.key >> (bits * pass) & ((1u << bits) - 1)];
+  std::vector<Keyed> other(items.size());
+  for (std::size_t pass = 0; pass < counts.size(); ++pass) {
+    std::uint32_t sum = 0;
+    for (std::uint32_t& count : counts[pass]) sum += std::exchange(count, sum);
+    for (const Keyed& item : items)
+      other[counts[pass][item.key >> (bits * pass) & ((1u << bits) - 1)]++] = item;
+    items.swap(other);
+  }
+}
+
+std::vector<Keyed> sort_points(std::span<const glm::vec3> positions, std::span<const glm::vec3> normals,
+                               const Bounds& box) {
+  std::vector<Keyed> items(positions.size());
+  const glm::vec3 size = box.max - box.min;
+  const float longest = std::max({size.x, size.y, size.z});
+  const glm::vec3 cells(longest > 0 ? 256.0f / longest : 0.0f);
+  parallel_blocks(items.size(), plain_block, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      items[i] = {key_of(positions[i], normals[i], box, cells), static_cast<std::uint32_t>(i)};
+  });
+  sort_by_key(items);
+  return items;
+}
+
+/// A linear error of this moves no encoded value by more than `tolerance_display` where the light is at least
+/// `lower`: the sRGB curve is concave, with slope 12.92 at black.
+float allowed_error(double tolerance_display, float lower) {
+  const double dark = 0.9 * lower;
+  const double least = tolerance_display / 12.92;
+  if (dark <= 0.0031308) return static_cast<float>(least);
+  const double slope = 1.055 / 2.4 * std::pow(dark, 1 / 2.4 - 1);
+  return static_cast<float>(std::max(least, std::min(tolerance_display / slope, 0.1 * lower)));
+}
+
+/// What one thread needs for a tile.
+struct Workspace {
+  PointArrays points;
+  std::vector<float> normal_lengths;
+  std::vector<glm::vec3> positions, normals;  ///< As given, for the plain sums.
+  std::vector<LinearRgb> sums;
+  LightWeights weights;
+  LightArrays merged;
+  std::array<LightArrays, 4> rest;  ///< By level.
+  PackedLights near;
+};
+
+struct Tile {
+  const PackedLights& sources;  ///< The lights of falloff 1/d², in world space.
+  double tolerance_display;
+  Workspace& work;
+  LightError error;
+
+  /// What levels above have done: the sum of their shares, their errors, and a lower bound of the light that
+  /// they dealt with.
+  struct Past {
+    float share = 0;
+    std::array<double, 3> error{};
+    std::array<float, 3> lower{};
+  };
+
+  void visit(const LightArrays& lights, std::size_t begin, std::size_t end, std::size_t level, Past past);
+  void sum_rest(const LightArrays& lights, std::size_t begin, std::size_t end);
+};
+
+void Tile::visit(const LightArrays& lights, std::size_t begin, std::size_t end, std::size_t level,
+                 Past past) {
+  LightArrays& rest = work.rest[level];
+  rest.reserve(lights.size);
+  const PointBounds bounds = bound_points(work.points, begin, end);
+  const LightArrays* left = &lights;
+  if (bounds.is_cone()) {
+    work.weights.reserve(lights.size);
+    const std::array<float, 3> lower = weigh_lights(lights, bounds, work.weights);
+    std::array<float, 3> allowed;
+    for (std::size_t c = 0; c < 3; ++c)
+      allowed[c] = allowed_error(tolerance_display, past.lower[c] + lower[c]);
+    work.merged.reserve(lights.size);
+    const bool is_leaf = end - begin <= leaf_size;
+    const CutLine line =
+        line_by_own_light(lights, work.weights, allowed, std::max(0.0f, own_light_budget - past.share));
+    Cut cut = cut_lights(lights, work.weights, allowed, line, work.merged, rest);
+    // Near lights are nearer to some ranges than to others: what stood on the line above may be over it here.
+    if (is_leaf || past.share + cut.share > 1.0f)
+      cut = cut_lights(lights, work.weights, allowed,
+                       line_by_error(lights, work.weights, allowed, 1.0f - past.share), work.merged, rest);
+    past.share += cut.share;
+    for (std::size_t c = 0; c < 3; ++c) past.error[c] += cut.error[c];
+    if (work.merged.size > 0) {
+      LightField field;
+      field.center = bounds.center;
+      field.radius = bounds.radius;
+      add_lights(field, work.merged);
+      add_irradiance(field, work.points, begin, end);
+      const std::array<float, 3> merged_lower = weigh_lights(work.merged, bounds, work.weights);
+      for (std::size_t c = 0; c < 3; ++c) past.lower[c] += merged_lower[c];
+    }
+    left = &rest;
+  }
+  if (end - begin > leaf_size) {
+    const std::size_t step = std::max(leaf_size, (end - begin) / n_children / 16 * 16);
+    for (std::size_t child = begin; child < end; child += step)
+      visit(*left, child, std::min(end, child + step), level + (left == &rest), past);
+    return;
+  }
+  error.display = std::max(error.display, past.share * tolerance_display);
+  for (const double e : past.error) error.linear = std::max(error.linear, e);
+  sum_rest(*left, begin, end);
+}
+
+void Tile::sum_rest(const LightArrays& lights, std::size_t begin, std::size_t end) {
+  PackedLights& near = work.near;
+  near.sources.clear();
+  for (std::size_t i = 0; i < lights.size; ++i) near.sources.push_back(sources.sources[lights.index[i]]);
+  near.needs_positions = true;
+  near.runs.assign(1, {PackedLights::Kind::inverse_square, 0, lights.size, 0});
+  const std::size_t n = end - begin;
+  irradiance(near, std::span(work.positions).subspan(begin, n), std::span(work.normals).subspan(begin, n),
+             std::span(work.sums).subspan(begin, n));
+}
+
+}  // namespace
+
+LightError irradiance_within(std::span<const Light> lights, double tolerance_display,
+                             std::span<const glm::vec3> positions, std::span<const glm::vec3> normals,
+                             std::span<LinearRgb> out) {
+  std::vector<Light> many, others;
+  if (tolerance_display > 0 && lights.size() >= fewest_lights && out.size() >= fewest_points)
+    for (const Light& light : lights) (is_inverse_square(light) ? many : others).push_back(light);
+  const Bounds box = many.size() < fewest_lights ? Bounds() : bounds_of(positions);
+  if (many.size() < fewest_lights || box.is_empty()) {
+    sum_plainly(pack_lights(lights), positions, normals, out);
+    return {};
+  }
+  sum_plainly(pack_lights(others), positions, normals, out);
+
+  const Frame frame = frame_of(box, many);
+  const double unit = frame.scale * frame.scale;
+  LightArrays sources;
+  sources.reserve(many.size());
+  for (const Light& light : many) {
+    const std::size_t i = sources.size++;
+    const glm::vec3 p = frame(light.position);
+    sources.x[i] = p.x, sources.y[i] = p.y, sources.z[i] = p.z;
+    sources.r[i] = static_cast<float>(light.intensity.r * unit);
+    sources.g[i] = static_cast<float>(light.intensity.g * unit);
+    sources.b[i] = static_cast<float>(light.intensity.b * unit);
+    sources.index[i] = static_cast<std::uint32_t>(i);
+  }
+  const PackedLights packed = pack_lights(many);
+  const std::vector<Keyed> order = sort_points(positions, normals, box);
+  std::size_t n_lit = order.size();
+  while (n_lit > 0 && order[n_lit - 1].key == key_of_unlit) --n_lit;
+
+  const std::size_t n_tiles = (n_lit + tile_size - 1) / tile_size;
+  std::vector<LightError> errors(n_tiles);
+  parallel_blocks(n_tiles, 1, [&](std::size_t tile, std::size_t) {
+    static thread_local Workspace work;  // its memory is used again, its contents are not
+    const std::size_t first = tile * tile_size, n = std::min(tile_size, n_lit - first);
+    work.points.resize(n);
+    work.normal_lengths.resize(n);
+    work.positions.resize(n), work.normals.resize(n), work.sums.resize(n);
+    PointArrays& points = work.points;
+    for (std::size_t i = 0; i < n + LightArrays::lane_padding; ++i) {
+      const std::uint32_t v = order[first + std::min(i, n - 1)].point;
+      const glm::vec3 p = frame(positions[v]);
+      const float length = glm::length(normals[v]);
+      const glm::vec3 normal = normals[v] / length;
+      points.x[i] = p.x, points.y[i] = p.y, points.z[i] = p.z;
+      points.nx[i] = normal.x, points.ny[i] = normal.y, points.nz[i] = normal.z;
+      points.r[i] = points.g[i] = points.b[i] = 0;
+      if (i < n)
+        work.positions[i] = positions[v], work.normals[i] = normals[v], work.normal_lengths[i] = length;
+    }
+    Tile t{packed, tolerance_display, work, {}};
+    t.visit(sources, 0, n, 0, {});
+    errors[tile] = t.error;
+    for (std::size_t i = 0; i < n; ++i) {
+      const float length = work.normal_lengths[i];
+      // A field that is out by its error may be below what light can be.
+      const LinearRgb field{std::max(0.0f, points.r[i] * length), std::max(0.0f, points.g[i] * length),
+                            std::max(0.0f, points.b[i] * length)};
+      out[order[first + i].point] += field + work.sums[i];
+    }
+  });
+  LightError worst;
+  for (const LightError& e : errors)
+    worst = {std::max(worst.linear, e.linear), std::max(worst.display, e.display)};
+  return worst;
+}
+
+}  // namespace lambake
