@@ -1,5 +1,6 @@
 #pragma once
 
+#include <hwy/base.h>  // HWY_INLINE
 #include <algorithm>
 #include <cstdint>
 
@@ -21,7 +22,8 @@ struct EdgeSetup {
 };
 
 /// E / subpixels at the centre of pixel (x, y), the top-left rule in it: >= 0 is inside.
-inline std::int64_t edge_at(const ScreenVertex& a, const ScreenVertex& b, std::int32_t x, std::int32_t y) {
+HWY_INLINE std::int64_t edge_at(const ScreenVertex& a, const ScreenVertex& b, std::int32_t x,
+                                std::int32_t y) {
   const std::int64_t dx = std::int64_t(b.x) - a.x, dy = std::int64_t(b.y) - a.y;
   const std::int64_t px = std::int64_t(x) * subpixels + subpixels / 2;
   const std::int64_t py = std::int64_t(y) * subpixels + subpixels / 2;
@@ -30,8 +32,8 @@ inline std::int64_t edge_at(const ScreenVertex& a, const ScreenVertex& b, std::i
   return (dx * (py - a.y) - dy * (px - a.x) - (is_top_left ? 0 : 1)) >> subpixel_bits;
 }
 
-inline EdgeSetup edge_over_box(const ScreenVertex& a, const ScreenVertex& b, std::int32_t x, std::int32_t y,
-                               int width, int height) {
+HWY_INLINE EdgeSetup edge_over_box(const ScreenVertex& a, const ScreenVertex& b, std::int32_t x,
+                                   std::int32_t y, int width, int height) {
   const std::int64_t e = edge_at(a, b, x, y);
   const std::int64_t step_x = std::int64_t(a.y) - b.y, step_y = std::int64_t(b.x) - a.x;
   const std::int64_t over_x = step_x * (width - 1), over_y = step_y * (height - 1);
@@ -43,8 +45,8 @@ inline EdgeSetup edge_over_box(const ScreenVertex& a, const ScreenVertex& b, std
 }
 
 /// The same for a triangle of at most `few_pixels`, where 32 bits always do.
-inline EdgeSetup edge_over_few_pixels(const ScreenVertex& a, const ScreenVertex& b, std::int32_t x,
-                                      std::int32_t y) {
+HWY_INLINE EdgeSetup edge_over_few_pixels(const ScreenVertex& a, const ScreenVertex& b, std::int32_t x,
+                                          std::int32_t y) {
   return {static_cast<std::int32_t>(edge_at(a, b, x, y)), a.y - b.y, b.x - a.x};
 }
 
@@ -69,7 +71,8 @@ struct RasterSetup {
 };
 
 /// Whether everything that is drawn already in a box of the tile is as near as `most`.
-inline bool is_hidden(float most, const Tile& tile, std::int32_t x, std::int32_t y, int width, int height) {
+HWY_INLINE bool is_hidden(float most, const Tile& tile, std::int32_t x, std::int32_t y, int width,
+                          int height) {
   for (int j = 0; j < height; ++j) {
     const float* const row = tile.nearness.data() + (y - tile.y + j) * tile_side + (x - tile.x);
     for (int i = 0; i < width; ++i)
@@ -79,8 +82,8 @@ inline bool is_hidden(float most, const Tile& tile, std::int32_t x, std::int32_t
 }
 
 /// The box is what of the triangle's own lies in the tile.
-inline RasterSetup raster_setup(const ScreenVertex& v0, const ScreenVertex& v1, const ScreenVertex& v2,
-                                const Tile& tile) {
+HWY_INLINE RasterSetup raster_setup(const ScreenVertex& v0, const ScreenVertex& v1, const ScreenVertex& v2,
+                                    const Tile& tile) {
   RasterSetup setup;
   setup.x = std::max(first_pixel(std::min({v0.x, v1.x, v2.x})), tile.x);
   setup.y = std::max(first_pixel(std::min({v0.y, v1.y, v2.y})), tile.y);
@@ -127,7 +130,7 @@ inline RasterSetup raster_setup(const ScreenVertex& v0, const ScreenVertex& v1, 
   return setup;
 }
 
-inline RasterSetup raster_setup(const ScreenTriangles& screen, std::uint32_t entry, const Tile& tile) {
+HWY_INLINE RasterSetup raster_setup(const ScreenTriangles& screen, std::uint32_t entry, const Tile& tile) {
   if ((entry & ScreenTriangles::is_piece) != 0) {
     const auto& v = screen.pieces[entry & ~ScreenTriangles::is_piece].v;
     return raster_setup(v[0], v[1], v[2], tile);

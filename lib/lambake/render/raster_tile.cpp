@@ -8,6 +8,7 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "lambake/render/raster_tile.cpp"
+#include <hwy/cache_control.h>
 #include <hwy/foreach_target.h>  // compiles the part below once per vector path
 #include <hwy/highway.h>
 
@@ -72,9 +73,23 @@ HWY_INLINE void raster_few_pixels(const RasterSetup& setup, std::uint32_t triang
     }
 }
 
+/// Memory that a later entry will read: a tile meets the mesh in short pieces, which caches do not foresee.
+constexpr std::size_t ahead = 8;
+
+HWY_INLINE void prefetch_triangle(const ScreenTriangles& screen, std::uint32_t entry) {
+  if ((entry & ScreenTriangles::is_piece) == 0) hwy::Prefetch(&screen.triangles[entry]);
+}
+HWY_INLINE void prefetch_vertices(const ScreenTriangles& screen, std::uint32_t entry) {
+  if ((entry & ScreenTriangles::is_piece) != 0) return;
+  for (int c = 0; c < 3; ++c) hwy::Prefetch(&screen.vertices[screen.triangles[entry][c]]);
+}
+
 void raster_entries(const ScreenTriangles& screen, std::span<const std::uint32_t> entries, Tile& tile) {
   const int lanes = static_cast<int>(hn::Lanes(Floats()));
-  for (const std::uint32_t entry : entries) {
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    const std::uint32_t entry = entries[i];
+    if (i + 2 * ahead < entries.size()) prefetch_triangle(screen, entries[i + 2 * ahead]);
+    if (i + ahead < entries.size()) prefetch_vertices(screen, entries[i + ahead]);
     const RasterSetup setup = raster_setup(screen, entry, tile);
     if (setup.width == 0) continue;
     const std::uint32_t triangle = screen.triangle_of(entry);

@@ -198,11 +198,15 @@ std::size_t VisibilityPass::draw_tile(std::size_t tile_index) const {
     const std::uint32_t y = static_cast<std::uint32_t>(tile.y + j);
     const std::size_t pixel = std::size_t{y} * out_.width + static_cast<std::size_t>(tile.x);
     const std::uint32_t* const row = tile.triangles.data() + static_cast<std::size_t>(j * tile_side);
-    hit_row(mesh_, screen_.view, static_cast<std::uint32_t>(tile.x), y, row, tile_side, barycentrics.data(),
-            depths.data());
+    const bool is_whole = width == tile_side;  // otherwise vectors would reach past the row's end
+    hit_row(mesh_, screen_.view, static_cast<std::uint32_t>(tile.x), y, row, tile_side,
+            is_whole ? out_.barycentrics.data() + pixel : barycentrics.data(),
+            is_whole ? out_.depths.data() + pixel : depths.data());
     std::copy_n(row, width, out_.triangles.data() + pixel);
-    std::copy_n(barycentrics.begin(), width, out_.barycentrics.data() + pixel);
-    std::copy_n(depths.begin(), width, out_.depths.data() + pixel);
+    if (!is_whole) {
+      std::copy_n(barycentrics.begin(), width, out_.barycentrics.data() + pixel);
+      std::copy_n(depths.begin(), width, out_.depths.data() + pixel);
+    }
     n_covered += width - static_cast<std::size_t>(std::count(row, row + width, no_triangle));
   }
   return n_covered;
