@@ -17,7 +17,7 @@
 namespace lambake {
 
 inline constexpr double pi = 3.14159265358979323846;
-inline constexpr std::array every_method = {BakeMethod::face, BakeMethod::sample};
+inline constexpr std::array every_method = {BakeMethod::face, BakeMethod::sample, BakeMethod::adaptive};
 
 inline Light sun(const glm::vec3& towards, float intensity = 1) {
   return {.intensity = LinearRgb{1, 1, 1} * intensity, .direction_to_light = glm::normalize(towards)};
@@ -60,7 +60,7 @@ struct Measured {
 /// finite, and the bound not below what sampling finds.
 inline Measured measure(const Scene& scene, BakeMethod method = BakeMethod::sample) {
   Measured m;
-  m.baked = bake(scene, {.method = method});
+  m.baked = bake(scene, {.method = method, .max_vertices = 5000});
   for (const LinearRgb& c : m.baked.colors) EXPECT_TRUE(is_finite(c));
   m.error = surface_error(scene, m.baked, ErrorSpace::linear);
   EXPECT_TRUE(std::isfinite(m.error.rmse) && std::isfinite(m.error.max_sampled));
