@@ -1,8 +1,9 @@
-# Runs the generator and expects the bytes of every committed model.
-# usage: cmake -DGENERATOR=... -DMODELS=<source>/meshes -DFOLDER=<scratch> -P regenerate.cmake
+# Runs the generators and expects the bytes of every committed model.
+# usage: cmake -DGENERATOR=... -DGALLERY=... -DMODELS=<source>/meshes -DFOLDER=<scratch> -P regenerate.cmake
 file(REMOVE_RECURSE ${FOLDER})
 file(MAKE_DIRECTORY ${FOLDER})
 execute_process(COMMAND ${GENERATOR} ${FOLDER} COMMAND_ERROR_IS_FATAL ANY)
+execute_process(COMMAND ${GALLERY} ${FOLDER}/gallery.glb COMMAND_ERROR_IS_FATAL ANY)
 file(GLOB made RELATIVE ${FOLDER} ${FOLDER}/*)
 if(NOT made)
   message(FATAL_ERROR "${GENERATOR} made no files")
@@ -10,6 +11,6 @@ endif()
 foreach(name IN LISTS made)
   execute_process(COMMAND ${CMAKE_COMMAND} -E compare_files ${FOLDER}/${name} ${MODELS}/${name} RESULT_VARIABLE differs)
   if(differs)
-    message(SEND_ERROR "meshes/${name} is not what ${GENERATOR} makes; run: build/release/generate_meshes meshes")
+    message(SEND_ERROR "meshes/${name} is not what its generator makes: meshes/README.md")
   endif()
 endforeach()
