@@ -43,6 +43,14 @@ void add_frames(Chart& chart, const ChartRun& run) {
   if (!frames.points.empty()) chart.series.push_back(std::move(frames));
 }
 
+/// A field of RFC 4180.
+std::string csv_field(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + '"';
+}
+
 ChartAxis time_axis(const std::string& label) {
   return {label, duration};
 }
@@ -206,9 +214,10 @@ std::string chart_csv(const ChartRun& run) {
       "quartile,"
       "repeats,rmse_display,max_sampled_display,max_bound_display\r\n";
   for (const MethodRun& m : run.methods)
-    csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{}\r\n", m.method, m.variant, m.n_vertices,
-                       m.n_triangles, m.bytes, m.one_thread.median, m.all_threads.median, m.all_threads.low,
-                       m.all_threads.high, m.all_threads.repeats, m.rmse, m.max_sampled, m.max_bound);
+    csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{}\r\n", csv_field(m.method),
+                       csv_field(m.variant), m.n_vertices, m.n_triangles, m.bytes, m.one_thread.median,
+                       m.all_threads.median, m.all_threads.low, m.all_threads.high, m.all_threads.repeats,
+                       m.rmse, m.max_sampled, m.max_bound);
   for (const FrameRun& f : run.frames)
     for (const auto& [name, time] : {std::pair{"per vertex", f.per_vertex}, {"per pixel", f.per_fragment}})
       csv += fmt::format("picture {},{}x{},,,,,{},{},{},{},,,\r\n", name, f.width, f.height, time.median,

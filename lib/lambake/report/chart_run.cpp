@@ -33,8 +33,9 @@ BakedColors bake_with_normals(const Scene& scene, NormalWeight weight) {
   return bake(other, {.method = BakeMethod::sample});
 }
 
-std::vector<Variant> variants() {
-  const auto with = [](BakeOptions options) {
+/// @param max_seconds  for methods that cut until they are done.
+std::vector<Variant> variants(double max_seconds) {
+  const auto with = [](const BakeOptions& options) {
     return [options](const Scene& scene) { return bake(scene, options); };
   };
   std::vector<Variant> all = {{"face", "", with({.method = BakeMethod::face})},
@@ -45,6 +46,10 @@ std::vector<Variant> variants() {
                                      {NormalWeight::max, "max"}})
     all.push_back({"sample", fmt::format("normals {}", name),
                    [weight = weight](const Scene& scene) { return bake_with_normals(scene, weight); }});
+  for (const int steps : {4, 2, 1})
+    all.push_back(
+        {"adaptive", fmt::format("{}/255", steps),
+         with({.method = BakeMethod::adaptive, .tolerance = steps / 255.0, .max_seconds = max_seconds})});
   return all;
 }
 
@@ -156,7 +161,7 @@ LightsRun measure_lights(const Scene& scene, const Visibility& visibility, doubl
 
 std::vector<std::string> chart_methods() {
   std::vector<std::string> names;
-  for (const Variant& variant : variants())
+  for (const Variant& variant : variants(0))
     if (std::find(names.begin(), names.end(), variant.method) == names.end()) names.push_back(variant.method);
   return names;
 }
@@ -180,7 +185,7 @@ ChartRun run_chart(const Scene& scene, const ChartRunOptions& options) {
   // For the repeats of each thing measured; errors, computed once, come on top.
   const double slice = options.budget_seconds / 40;
 
-  for (const Variant& variant : variants()) {
+  for (const Variant& variant : variants(options.budget_seconds / 8)) {
     const bool is_asked = options.methods.empty() || std::find(options.methods.begin(), options.methods.end(),
                                                                variant.method) != options.methods.end();
     if (!is_asked) continue;

@@ -25,7 +25,7 @@ double quantile(const std::vector<double>& sorted, double q) {
 
 Timing measure_time(const std::function<void()>& work, double seconds) {
   const double warm_up = seconds_of(work);
-  const std::size_t least = warm_up > seconds ? 1 : 3;
+  if (warm_up > seconds) return {warm_up, warm_up, warm_up, 1};
   std::vector<double> sorted;
   Timing timing;
   for (double spent = warm_up; sorted.size() < 101;) {
@@ -34,7 +34,7 @@ Timing measure_time(const std::function<void()>& work, double seconds) {
     sorted.insert(std::upper_bound(sorted.begin(), sorted.end(), t), t);
     timing = {quantile(sorted, 0.5), quantile(sorted, 0.25), quantile(sorted, 0.75), sorted.size()};
     const bool is_steady = timing.high - timing.low <= 0.1 * timing.median;
-    if (sorted.size() >= least && (spent >= seconds || (is_steady && sorted.size() >= 7))) break;
+    if (sorted.size() >= 3 && (spent >= seconds || (is_steady && sorted.size() >= 7))) break;
   }
   return timing;
 }

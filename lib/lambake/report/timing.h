@@ -14,7 +14,7 @@ struct Timing {
 
 /// Runs `work` once to warm up, then repeatedly: at least 3 times, until `seconds` have passed, or the
 /// quartiles of at least 7 repeats are within a tenth of the median of each other, or 101 repeats are done.
-/// Work whose warm-up alone takes longer than `seconds` is run once more.
+/// Work that takes longer than `seconds` is run once: what warms up is small beside it.
 Timing measure_time(const std::function<void()>& work, double seconds);
 
 }  // namespace lambake
