@@ -288,7 +288,8 @@ Chart vertices_chart(const ChartRun& run) {
               {},
               true};
   chart.series = series_by_method(run, [](const MethodRun& m) -> std::optional<ChartPoint> {
-    if (!std::isfinite(m.max_bound)) return std::nullopt;
+    // Other normals change the error, not the number of vertices.
+    if (!std::isfinite(m.max_bound) || m.variant.starts_with("normals")) return std::nullopt;
     return ChartPoint{static_cast<double>(m.n_vertices), m.max_bound * 255, 0, 0, m.label()};
   });
   // Where the light is smooth the error falls with h² ~ 1/V, at a kink with h ~ 1/√V.

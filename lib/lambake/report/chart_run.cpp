@@ -66,9 +66,9 @@ class Budget {
   double spent() const {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
   }
-  /// Whether work called `name` may begin; tells the progress.
-  bool allows(const std::string& name, std::vector<std::string>& left_out) const {
-    if (spent() >= seconds_) {
+  /// Whether work called `name` may begin before this share of the time is over; tells the progress.
+  bool allows(const std::string& name, double share, std::vector<std::string>& left_out) const {
+    if (spent() >= share * seconds_) {
       left_out.push_back(name);
       return false;
     }
@@ -182,6 +182,8 @@ ChartRun run_chart(const Scene& scene, const ChartRunOptions& options) {
   run.n_lights = scene.lights.size();
   run.n_threads = thread_count();
   const Budget budget(options.budget_seconds, options.progress);
+  // What the methods leave of their share the pictures may use, and the lights what both leave.
+  constexpr double methods_until = 0.6, frames_until = 0.8;
   // For the repeats of each thing measured; errors, computed once, come on top.
   const double slice = options.budget_seconds / 40;
 
@@ -190,14 +192,15 @@ ChartRun run_chart(const Scene& scene, const ChartRunOptions& options) {
                                                                variant.method) != options.methods.end();
     if (!is_asked) continue;
     const std::string name = variant.method + (variant.name.empty() ? "" : ", " + variant.name);
-    if (budget.allows(name, run.left_out)) run.methods.push_back(measure_method(scene, variant, slice));
+    if (budget.allows(name, methods_until, run.left_out))
+      run.methods.push_back(measure_method(scene, variant, slice));
   }
 
   const BakedColors baked = bake(scene, {.method = BakeMethod::sample});
   for (const auto& [width, height] :
        {std::pair<std::uint32_t, std::uint32_t>{640, 360}, {1280, 720}, {1920, 1080}, {3840, 2160}}) {
     const std::string name = fmt::format("picture of {}x{}", width, height);
-    if (budget.allows(name, run.left_out))
+    if (budget.allows(name, frames_until, run.left_out))
       run.frames.push_back(measure_frame(scene, baked, options.camera, width, height, slice));
   }
 
@@ -205,7 +208,7 @@ ChartRun run_chart(const Scene& scene, const ChartRunOptions& options) {
   const Bounds bounds = bounds_of(scene.mesh.positions);
   const Visibility visibility = find_visibility(scene, scene.mesh, options.camera, 1280, 720);
   for (const std::size_t n : {1, 4, 16, 64, 256, 1024, 4096}) {
-    if (!budget.allows(fmt::format("{} lights", n), run.left_out)) continue;
+    if (!budget.allows(fmt::format("{} lights", n), 1, run.left_out)) continue;
     lit.lights = lamps_around(bounds, n);
     run.lights.push_back(measure_lights(lit, visibility, slice));
   }

@@ -52,9 +52,9 @@ struct ChartRun {
 };
 
 struct ChartRunOptions {
-  std::vector<std::string> methods;  ///< Names of methods to run; empty: all of chart_methods().
-  double budget_seconds = 60;        ///< Nothing new is begun after it.
-  Camera camera;                     ///< For the frames.
+  std::vector<std::string> methods{};  ///< Names of methods to run; empty: all of chart_methods().
+  double budget_seconds = 60;          ///< Nothing new is begun after it; methods take at most 0.6 of it.
+  Camera camera{};                     ///< For the frames.
   Progress progress{};
 };
 
