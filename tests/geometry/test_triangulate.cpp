@@ -92,6 +92,31 @@ TEST(TriangulatePolygon, CornersOnAStraightLine_AreAllKept) {
   EXPECT_NEAR(area(points, triangles), 4, 1e-6);
 }
 
+TEST(TriangulatePolygon, PolygonThatCrossesItself_SaysSoAndHasAllItsTriangles) {
+  std::vector<glm::vec3> pentagram;
+  for (int i = 0; i < 5; ++i) {
+    const double angle = 4 * std::numbers::pi * i / 5;
+    pentagram.emplace_back(std::cos(angle), std::sin(angle), 1);
+  }
+  pentagram.emplace_back(0.9f, 0.3f, 1);
+  std::vector<glm::uvec3> triangles;
+  EXPECT_FALSE(triangulate_polygon(pentagram, iota(6), triangles));
+  EXPECT_EQ(triangles.size(), 4u);
+}
+
+TEST(TriangulatePolygon, CombOfAHundredThousandCorners_IsDoneInBoundedTime) {
+  // Every corner between the teeth is inside of none of the ears, but has to be looked at.
+  std::vector<glm::vec3> comb;
+  for (int i = 0; i < 50'000; ++i) {
+    comb.emplace_back(2 * i, 0, 0);
+    comb.emplace_back(2 * i + 1, i % 2 == 0 ? 1e5f : 1, 0);
+  }
+  comb.emplace_back(1e5f, -1e5f, 0);
+  std::vector<glm::uvec3> triangles;
+  triangulate_polygon(comb, iota(comb.size()), triangles);
+  EXPECT_EQ(triangles.size(), comb.size() - 2);
+}
+
 TEST(TriangulatePolygon, WithoutAreaOrNotFinite_IsAFanAndSaysSo) {
   const std::vector<glm::vec3> line{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}, {4, 0, 0}};
   std::vector<glm::uvec3> triangles;

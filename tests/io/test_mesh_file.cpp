@@ -307,7 +307,7 @@ TEST(MeshFile, PolygonsOfRealFiles_AreCutWithoutLosingOrDoublingArea) {
     }
     for (std::size_t f = 0; f < file.n_faces; ++f)
       EXPECT_NEAR(glm::length(sums[f]), lengths[f], 1e-3 * lengths[f]) << f;
-    EXPECT_EQ(count_of(file, "polygon_fans"), 0u);
+    EXPECT_EQ(count_of(file, "odd_polygons"), 0u);
   }
 }
 
@@ -330,7 +330,7 @@ TEST_F(MeshFileTest, UnsoundFiles_AreRefusedWithThePlaceAndWhatWasExpected) {
       {"a.ply", "plx\n", "line 1", "expected \"ply\""},
       {"a.ply", "ply\nformat ascii 2.0\n", "line 2", "expected \"1.0\", found \"2.0\""},
       {"a.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty half x\n", "line 4", "found \"half\""},
-      {"a.obj", obj + "f 1 2 4\n", "line 4", "one of 3 vertexs, found \"4\""},
+      {"a.obj", obj + "f 1 2 4\n", "line 4", "one of 3 vertices, found \"4\""},
       {"a.obj", obj + "f 1 2 0\n", "line 4", "found \"0\""},
       {"a.obj", obj + "f 1 2 -4\n", "line 4", "found \"-4\""},
       {"a.obj", obj + "f 1/1 2/1 3/1\n", "line 4", "texture coordinate"},

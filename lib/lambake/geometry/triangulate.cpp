@@ -57,7 +57,7 @@ void append_quad(std::span<const glm::vec3> positions, std::span<const std::uint
   }
 }
 
-/// Clips ears off a counter-clockwise polygon; false if none is left to clip before it is done.
+/// Clips ears off a counter-clockwise polygon.
 class EarClipper {
  public:
   EarClipper(std::span<const std::uint32_t> polygon, std::span<const Point> points)
@@ -68,17 +68,30 @@ class EarClipper {
       if (turn(i) <= 0) reflex_.push_back(i);
   }
 
+  /// False if corners had to be clipped that are no ears: the polygon crosses itself or is too intricate.
   bool clip(std::vector<glm::uvec3>& triangles) {
     std::size_t n_left = points_.size();
     std::size_t at = 0;
+    bool is_clean = true;
+    steps_left_ = 4000 * n_left + 1'000'000;
+    // Moves on to the first corner that will do; false if none does.
+    const auto find = [&](auto&& will_do) {
+      for (std::size_t n_tried = 0; n_tried < n_left && steps_left_ > 0; ++n_tried, at = next_[at]) {
+        if (will_do(at)) return true;
+        if (steps_left_ > 0) --steps_left_;
+      }
+      return false;
+    };
     while (n_left > 3) {
-      std::size_t n_tried = 0;
-      while (n_tried < n_left && !is_ear(at)) at = next_[at], ++n_tried;
-      if (n_tried == n_left) {
-        // Only straight corners may be left beside reflex ones: a zero-area ear opens the way.
-        n_tried = 0;
-        while (n_tried < n_left && turn(at) != 0) at = next_[at], ++n_tried;
-        if (n_tried == n_left) return false;
+      if (steps_left_ == 0) {
+        append_rest_as_fan(at, n_left, triangles);
+        return false;
+      }
+      // Only straight corners may be left beside reflex ones: clipping one opens the way.
+      if (!find([this](std::size_t i) { return is_ear(i); }) &&
+          !find([this](std::size_t i) { return turn(i) == 0; })) {
+        is_clean = false;
+        find([this](std::size_t i) { return turn(i) > 0; });
       }
       append(at, triangles);
       next_[previous_[at]] = next_[at];
@@ -87,16 +100,21 @@ class EarClipper {
       at = next_[next_[at]];  // Skipping one keeps the triangles from gathering at one corner.
     }
     append(at, triangles);
-    return true;
+    return is_clean;
   }
 
  private:
+  void append_rest_as_fan(std::size_t apex, std::size_t n_left, std::vector<glm::uvec3>& triangles) const {
+    std::size_t b = next_[apex];
+    for (; n_left > 2; --n_left, b = next_[b])
+      triangles.emplace_back(polygon_[apex], polygon_[b], polygon_[next_[b]]);
+  }
   double turn(std::size_t i) const { return cross(points_[previous_[i]], points_[i], points_[next_[i]]); }
 
   bool is_ear(std::size_t i) {
     if (!(turn(i) > 0)) return false;
     const Point &a = points_[previous_[i]], &b = points_[i], &c = points_[next_[i]];
-    for (std::size_t k = 0; k < reflex_.size();) {
+    for (std::size_t k = 0; k < reflex_.size() && steps_left_ > 0; --steps_left_) {
       const std::size_t r = reflex_[k];
       // Clipped, or convex by now: such a corner cannot be the first inside of an ear.
       if (next_[previous_[r]] != r || turn(r) > 0) {
@@ -120,6 +138,7 @@ class EarClipper {
   std::span<const Point> points_;
   std::vector<std::size_t> next_, previous_;
   std::vector<std::size_t> reflex_;
+  std::size_t steps_left_ = 0;
 };
 
 }  // namespace
@@ -150,11 +169,7 @@ bool triangulate_polygon(std::span<const glm::vec3> positions, std::span<const s
     append_quad(positions, polygon, points, triangles);
     return true;
   }
-  const std::size_t n_before = triangles.size();
-  if (EarClipper(polygon, points).clip(triangles)) return true;
-  triangles.resize(n_before);
-  append_fan(polygon, triangles);
-  return false;
+  return EarClipper(polygon, points).clip(triangles);
 }
 
 }  // namespace lambake

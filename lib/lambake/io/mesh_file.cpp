@@ -131,7 +131,7 @@ void add_defects(const Mesh& mesh, Findings& findings) {
 SceneFile read_mesh_file(const std::string& path) {
   CanonicalFile file = scan(path, read_bytes(path));
   OpenMeshArrays arrays = read_with_openmesh(path, file);
-  file.bytes = {};
+  file.bytes = std::string();  // Not {}, which keeps the memory.
 
   SceneFile result;
   result.format = file.format;
@@ -194,8 +194,9 @@ SceneFile read_mesh_file(const std::string& path) {
   add_finding(
       result.findings, "split_vertices", mesh.n_vertices() - result.n_vertices,
       "copies of vertices were made where corners differ in normal, texture coordinate, colour or material");
-  add_finding(result.findings, "polygon_fans", arrays.n_fans,
-              "polygons cross themselves or are flat or not finite; cut as a fan");
+  add_finding(
+      result.findings, "odd_polygons", arrays.n_odd_polygons,
+      "polygons cross themselves, have no area or are not finite; some of their triangles may overlap");
   add_defects(mesh, result.findings);
   check_mesh(mesh, result.scene.materials.size());
   return result;

@@ -61,7 +61,7 @@ class ArrayImporter : public IO::BaseImporter {
       polygon_.clear();
       for (const VertexHandle v : corners) polygon_.push_back(stood_for(static_cast<std::uint32_t>(v.idx())));
       has_polygons_ = true;
-      arrays_.n_fans += !triangulate_polygon(arrays_.positions, polygon_, arrays_.triangles);
+      arrays_.n_odd_polygons += !triangulate_polygon(arrays_.positions, polygon_, arrays_.triangles);
     }
     if (has_polygons_) arrays_.faces.resize(arrays_.triangles.size(), face);
     return FaceHandle(static_cast<int>(face));

@@ -17,7 +17,7 @@ struct OpenMeshArrays {
   std::vector<glm::uvec3> triangles;
   std::vector<std::uint32_t> faces;  ///< The face of each triangle, or none: the identity.
   std::size_t n_faces = 0;
-  std::size_t n_fans = 0;  ///< Polygons that could only be cut as a fan.
+  std::size_t n_odd_polygons = 0;  ///< Polygons that cross themselves, have no area or are not finite.
 };
 
 /// Reads the canonical bytes through OpenMesh's reader of the format into plain arrays; no half-edges are

@@ -167,12 +167,12 @@ class ObjScan {
 
   /// Index of a corner, from 0. `which`: 0 v, 1 vt, 2 vn.
   std::uint32_t scan_index(TextCursor& cursor, int which, std::size_t n_all) {
-    constexpr const char* names[] = {"vertex", "texture coordinate", "normal"};
+    constexpr const char* names[] = {"vertices", "texture coordinates", "normals"};
     TextCursor start = cursor;
     const auto index = cursor.integer_prefix<std::int64_t>("an index");
     const std::int64_t zero_based = index > 0 ? index - 1 : index + n_seen_[which];
     if (index == 0 || zero_based < 0 || zero_based >= static_cast<std::int64_t>(n_all))
-      start.fail(fmt::format("the index of one of {} {}s", n_all, names[which]), start.token());
+      start.fail(fmt::format("the index of one of {} {}", n_all, names[which]), start.token());
     return static_cast<std::uint32_t>(zero_based);
   }
 

@@ -126,12 +126,17 @@ class OffScan {
     for (std::size_t i = 0; i < file_.n_vertices; ++i) {
       if (!cursor_.skip_to_token()) cursor_.fail(fmt::format("vertex {} of {}", i + 1, file_.n_vertices), {});
       vertex_lines_.push_back(body_.size());
-      glm::vec3 p = scan_vector("three coordinates");
+      const char* const begin = cursor_.position();
+      const std::size_t line = cursor_.line();
+      const glm::vec3 p = scan_vector("three coordinates");
       if (!is_finite(p)) {
         file_.non_finite_positions.emplace_back(static_cast<std::uint32_t>(i), p);
-        p = glm::vec3(0);
+        body_ += "0 0 0";
+      } else if (line == cursor_.line()) {
+        body_.append(begin, cursor_.position());
+      } else {  // There may be a comment between its numbers.
+        append_numbers({p.x, p.y, p.z});
       }
-      append_numbers({p.x, p.y, p.z});
       if (header_.has_normals) {
         file_.normals.push_back(scan_vector("three numbers of a normal"));
         if (reader_knows_header_) body_ += " 0 0 0";
