@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "lambake/bake/lamp_contact.h"
 #include "lambake/bake/methods.h"
 #include "lambake/core/error.h"
 #include "lambake/core/parallel.h"
@@ -84,6 +85,7 @@ BakedColors bake_face(const Scene& scene, double light_tolerance) {
   });
   std::vector<LinearRgb> received(n);
   baked.light_error = irradiance_within(scene.lights, light_tolerance, centroids, normals, received);
+  baked.findings = tend_lamp_contacts(scene.lights, centroids, normals, {}, received);
   baked.colors.resize(3 * n);
   parallel_blocks(n, block_size, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) {
@@ -98,7 +100,9 @@ BakedColors bake_face(const Scene& scene, double light_tolerance) {
   return baked;
 }
 
-BakedColors bake(const Scene& scene, const BakeOptions& options) {
+namespace {
+
+BakedColors bake_by_method(const Scene& scene, const BakeOptions& options) {
   switch (options.method) {
     case BakeMethod::face:
       return bake_face(scene, options.light_tolerance);
@@ -113,6 +117,18 @@ BakedColors bake(const Scene& scene, const BakeOptions& options) {
       return bake_adaptive(scene, options);
   }
   throw InvalidOption("bake: unknown method");
+}
+
+}  // namespace
+
+BakedColors bake(const Scene& scene, const BakeOptions& options) {
+  BakedColors baked = bake_by_method(scene, options);
+  if (options.method == BakeMethod::face) return baked;
+  const Mesh& mesh = mesh_of(scene, baked);
+  for (Finding& finding :
+       tend_lamp_contacts(scene.lights, mesh.positions, mesh.normals, mesh.colors, baked.colors))
+    baked.findings.push_back(std::move(finding));
+  return baked;
 }
 
 }  // namespace lambake
