@@ -12,12 +12,12 @@ namespace lambake {
 /// The polygon is taken as it lies in the coordinate plane most across its normal (Newell's). A convex
 /// quadrilateral is cut along its shorter diagonal, other polygons by clipping ears. Corners that repeat the
 /// one before (and a last that repeats the first) are left out; of a polygon with fewer than three different
-/// neighbours the first three corners are kept as they are. O(n) for convex polygons, O(n · reflex) for others,
-/// limited to some thousand steps a corner.
+/// neighbours the first three corners are kept as they are. O(n) for convex polygons, O(n · reflex) for
+/// others, limited to some thousand steps a corner.
 /// @param positions  of the vertices.
 /// @param polygon    three or more indices < positions.size().
-/// @returns false if the polygon crosses itself, has no area, is not finite or too intricate: then some of the
-/// triangles may overlap or lie outside.
+/// @returns false if the polygon crosses itself, has no area, is not finite or too intricate: then some of
+/// the triangles may overlap or lie outside.
 bool triangulate_polygon(std::span<const glm::vec3> positions, std::span<const std::uint32_t> polygon,
                          std::vector<glm::uvec3>& triangles);
 
