@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 
 #include "lambake/core/error.h"
 #include "lambake/io/gltf.h"
 #include "lambake/io/ply_write.h"
+#include "options.h"
 
 namespace lambake::tool {
 namespace {
@@ -24,20 +26,128 @@ ColorStorage storage_from(const std::string& name, ColorStorage fallback) {
   return name == "u8" ? ColorStorage::u8 : name == "u16" ? ColorStorage::u16 : ColorStorage::f32;
 }
 
+BakeMethod method_named(const std::string& name) {
+  for (const BakeMethod method : {BakeMethod::face, BakeMethod::average, BakeMethod::least_squares,
+                                  BakeMethod::uniform, BakeMethod::adaptive})
+    if (name_of(method) == name) return method;
+  return BakeMethod::sample;
+}
+
+/// A number, or a quotient of two.
+double parse_tolerance(const std::string& text) {
+  const std::size_t slash = text.find('/');
+  double value = parse_numbers("--tolerance", text.substr(0, slash), 1, 1).front();
+  if (slash != std::string::npos) value /= parse_numbers("--tolerance", text.substr(slash + 1), 1, 1).front();
+  if (!(value > 0) || !std::isfinite(value))
+    throw InvalidOption(fmt::format("--tolerance: expected a number above 0, found \"{}\"", text));
+  return value;
+}
+
 }  // namespace
 
 void add_bake_options(CLI::App& command, BakeMethodOptions& options) {
   command
-      .add_option("--method", options.method, "how light becomes vertex colours: sample (Gouraud) or face")
-      ->check(CLI::IsMember({"sample", "face"}))
+      .add_option("--method", options.method,
+                  "how light becomes vertex colours: sample (Gouraud), face, average, least-squares, uniform "
+                  "(quartered --levels times), adaptive (cut until the error is certified to be within the "
+                  "tolerance), auto (the cheapest that is)")
+      ->check(CLI::IsMember({"sample", "face", "average", "least-squares", "uniform", "adaptive", "auto"}))
+      ->capture_default_str();
+  command
+      .add_option("--tolerance", options.tolerance,
+                  "adaptive, auto: the largest difference to per-pixel lighting, e.g. 1/255 or 0.01")
+      ->capture_default_str();
+  command
+      .add_option("--tolerance-space", options.tolerance_space,
+                  "adaptive, auto: display (as a screen shows it) or linear")
+      ->check(CLI::IsMember({"display", "linear"}))
+      ->capture_default_str();
+  command.add_option("--max-vertices", options.max_vertices,
+                     "adaptive, auto: stop cutting before there are more; 0 is no limit");
+  command
+      .add_option("--max-seconds", options.max_seconds,
+                  "adaptive, auto: stop cutting after this time; 0 is no limit")
+      ->check(CLI::NonNegativeNumber);
+  command
+      .add_option("--gradient-weight", options.gradient_weight,
+                  "least-squares: how much jumps of the colour's slope count against the error")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command.add_option("--levels", options.levels, "uniform: how often each triangle is quartered")
+      ->check(CLI::Range(0, 15))
       ->capture_default_str();
 }
 
 BakeOptions bake_options(const BakeMethodOptions& options, Console& console) {
   BakeOptions result;
-  result.method = options.method == "face" ? BakeMethod::face : BakeMethod::sample;
+  result.method = method_named(options.method);
+  result.tolerance = parse_tolerance(options.tolerance);
+  result.tolerance_space = options.tolerance_space == "linear" ? ErrorSpace::linear : ErrorSpace::display;
+  result.max_vertices = options.max_vertices;
+  result.max_seconds = options.max_seconds;
+  result.gradient_weight = options.gradient_weight;
+  result.levels = options.levels;
   result.progress = console.progress();
   return result;
+}
+
+BakedScene bake_scene(const Scene& scene, const BakeMethodOptions& options, Console& console,
+                      std::function<LinearRgb(const LinearRgb&)> as_stored) {
+  BakeOptions how = bake_options(options, console);
+  how.as_stored = std::move(as_stored);
+  BakedScene result;
+  result.tolerance = how.tolerance;
+  if (options.method == "auto") {
+    result.selection = select_method(scene, how);
+    result.baked = std::move(result.selection->baked);
+  } else {
+    result.baked = bake(scene, how);
+  }
+  return result;
+}
+
+void add_method_json(nlohmann::ordered_json& json, const BakedScene& result) {
+  const auto finite_or_null = [](double x) {
+    return std::isfinite(x) ? nlohmann::ordered_json(x) : nlohmann::ordered_json(nullptr);
+  };
+  if (const std::optional<Certificate>& c = result.baked.certificate) {
+    constexpr double deg_per_rad = 57.29577951308232;
+    json["certificate"] = {{"tolerance", result.tolerance},
+                           {"certified", c->is_certified},
+                           {"max_bound", finite_or_null(c->max_bound)},
+                           {"open_triangles", c->open_triangles},
+                           {"smallest_angle_deg_before", c->smallest_angle_before * deg_per_rad},
+                           {"smallest_angle_deg_after", c->smallest_angle_after * deg_per_rad}};
+  }
+  if (!result.selection) return;
+  nlohmann::ordered_json trials = nlohmann::ordered_json::array();
+  for (const MethodTrial& t : result.selection->trials)
+    trials.push_back({{"method", name_of(t.method)},
+                      {"vertices", t.n_vertices},
+                      {"triangles", t.n_triangles},
+                      {"bytes", t.bytes},
+                      {"seconds", t.seconds},
+                      {"rmse", finite_or_null(t.rmse)},
+                      {"max_sampled", finite_or_null(t.max_found)},
+                      {"max_bound", finite_or_null(t.max_bound)},
+                      {"certified", t.is_certified}});
+  json["auto"] = {{"verdict", result.selection->sentence},
+                  {"method", name_of(result.selection->trials[result.selection->chosen].method)},
+                  {"certified", result.selection->is_certified},
+                  {"tolerance", result.tolerance},
+                  {"trials", trials}};
+}
+
+std::function<LinearRgb(const LinearRgb&)> stored_by(const std::string& path, const OutputOptions& options) {
+  const bool is_ply = lower_extension(path) == ".ply";
+  const ColorStorage storage = storage_from(options.color, is_ply ? ColorStorage::u8 : ColorStorage::u16);
+  if (storage == ColorStorage::f32) return {};
+  if (is_ply) return [](const LinearRgb& c) { return to_linear(to_srgb8(c)); };
+  const float steps = storage == ColorStorage::u8 ? 255.0f : 65535.0f;
+  return [steps](const LinearRgb& c) {
+    const auto stored = [steps](float x) { return std::round(std::clamp(x, 0.0f, 1.0f) * steps) / steps; };
+    return LinearRgb{stored(c.r), stored(c.g), stored(c.b)};
+  };
 }
 
 void add_output_options(CLI::App& command, OutputOptions& options) {

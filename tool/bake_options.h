@@ -3,16 +3,28 @@
 #include <CLI/CLI.hpp>
 #include <string>
 
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <vector>
+
 #include "console.h"
 #include "lambake/bake/bake.h"
 #include "lambake/io/color_storage.h"
 #include "lambake/io/scene_file.h"
+#include "lambake/measure/select.h"
 
 namespace lambake::tool {
 
 /// How light becomes vertex colours; for every command that bakes.
 struct BakeMethodOptions {
   std::string method = "sample";
+  std::string tolerance = "1/255";
+  std::string tolerance_space = "display";
+  std::size_t max_vertices = 0;
+  double max_seconds = 0;
+  double gradient_weight = BakeOptions{}.gradient_weight;
+  int levels = BakeOptions{}.levels;
 };
 
 /// How lit meshes are stored.
@@ -23,7 +35,25 @@ struct OutputOptions {
 };
 
 void add_bake_options(CLI::App& command, BakeMethodOptions& options);
+/// For every method but auto, which is none of the library's.
 BakeOptions bake_options(const BakeMethodOptions& options, Console& console);
+
+/// What bake() makes, or for auto what the method chosen makes, and why.
+struct BakedScene {
+  BakedColors baked;
+  std::optional<Selection> selection;  ///< Only for auto; its `baked` is moved out.
+  double tolerance = 0;
+};
+
+/// @param as_stored  what becomes of a colour in the output; what is certified is that.
+BakedScene bake_scene(const Scene& scene, const BakeMethodOptions& options, Console& console,
+                      std::function<LinearRgb(const LinearRgb&)> as_stored);
+
+/// The certificate, and for auto the trials, where there are any.
+void add_method_json(nlohmann::ordered_json& json, const BakedScene& result);
+
+/// What a file at `path` keeps of a colour of base colour 1.
+std::function<LinearRgb(const LinearRgb&)> stored_by(const std::string& path, const OutputOptions& options);
 
 void add_output_options(CLI::App& command, OutputOptions& options);
 

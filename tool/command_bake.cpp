@@ -28,7 +28,9 @@ int bake_and_write(const BakeCommand& command) {
   for (const std::string& path : command.outputs) check_baked_path(path, command.output);
   LoadedScene loaded = load_scene(command.scene, console, stopwatch);
   console.stage("baking");
-  const BakedColors baked = bake(loaded.file.scene, bake_options(command.method, console));
+  const BakedScene result = bake_scene(loaded.file.scene, command.method, console,
+                                       stored_by(command.outputs.front(), command.output));
+  const BakedColors& baked = result.baked;
   console.tell(baked.findings);
   stopwatch.lap("bake");
 
@@ -38,6 +40,7 @@ int bake_and_write(const BakeCommand& command) {
   json["input"] = loaded.file.format;
   json["method"] = command.method.method;
   json["normals"] = loaded.normals;
+  add_method_json(json, result);
   json["vertices"] = mesh.n_vertices();
   json["triangles"] = mesh.n_triangles();
   json["lights"] = loaded.file.scene.lights.size();
@@ -59,6 +62,12 @@ int bake_and_write(const BakeCommand& command) {
   }
   stopwatch.lap("write");
   console.clear_bar();
+  if (!command.scene.json && !command.scene.quiet) {
+    if (result.selection) fmt::print("{}\n", result.selection->sentence);
+    if (const std::optional<Certificate>& c = baked.certificate; c && !result.selection)
+      fmt::print("{}: at most {:.3g}/255 from per-pixel lighting anywhere\n",
+                 c->is_certified ? "certified" : "not certified", c->max_bound * 255);
+  }
   json["findings"] = findings_json(findings);
   json["seconds"] = seconds_json(stopwatch);
   if (command.scene.json) fmt::print("{}\n", json_text(json));

@@ -13,6 +13,7 @@
 #include "lambake/io/output_file.h"
 #include "lambake/io/output_folder.h"
 #include "lambake/measure/bound.h"
+#include "lambake/measure/error_shares.h"
 #include "lambake/measure/image_error.h"
 #include "lambake/measure/light_share.h"
 #include "lambake/measure/surface_error.h"
@@ -164,7 +165,9 @@ int compare_and_write(const CompareCommand& command, const std::string& command_
   LoadedScene loaded = load_scene(command.scene, console, stopwatch);
   const Scene& scene = loaded.file.scene;
   console.stage("baking");
-  const BakedColors baked = bake(scene, bake_options(command.method, console));
+  const auto as_stored = stored_by("lit.glb", command.output);
+  BakedScene result = bake_scene(scene, command.method, console, as_stored);
+  BakedColors& baked = result.baked;
   console.tell(baked.findings);
   stopwatch.lap("bake");
 
@@ -183,11 +186,23 @@ int compare_and_write(const CompareCommand& command, const std::string& command_
   comparison.light_shares = light_shares(scene);
   comparison.findings = loaded.file.findings;
   comparison.findings.insert(comparison.findings.end(), baked.findings.begin(), baked.findings.end());
+  comparison.shares = error_shares(scene, baked, as_stored);
+  // What is compared is what the GLB holds.
+  const std::vector<LinearRgb> computed = baked.colors;
+  if (as_stored)
+    for (LinearRgb& c : baked.colors) c = as_stored(c);
   compare_views(command, scene, baked, console, comparison);
   stopwatch.lap("pictures");
   console.stage("surface error");
   comparison.surface_linear = surface_error(scene, baked, ErrorSpace::linear);
   comparison.surface_display = surface_error(scene, baked, ErrorSpace::display);
+  const auto bound_in = [&](ErrorSpace space) {
+    return surface_bound(scene, baked, {.space = space}).max_bound;
+  };
+  comparison.max_bound_linear = bound_in(ErrorSpace::linear);
+  comparison.max_bound_display = bound_in(ErrorSpace::display);
+  if (result.selection) comparison.verdict = result.selection->sentence;
+  baked.colors = computed;
   stopwatch.lap("surface");
   console.stage("certified bound");
   comparison.max_bound_linear = surface_bound(scene, baked, {.space = ErrorSpace::linear}).max_bound;

@@ -113,6 +113,12 @@ BakedColors bake_by_method(const Scene& scene, const BakeOptions& options) {
       baked.light_error = sampled.light_error;
       return baked;
     }
+    case BakeMethod::average:
+      return bake_average(scene);
+    case BakeMethod::least_squares:
+      return bake_least_squares(scene, options);
+    case BakeMethod::uniform:
+      return bake_uniform(scene, options);
     case BakeMethod::adaptive:
       return bake_adaptive(scene, options);
   }

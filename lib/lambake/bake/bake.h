@@ -16,9 +16,12 @@
 namespace lambake {
 
 enum class BakeMethod {
-  face,      ///< One colour per face: the light at its centroid along its geometric normal.
-  sample,    ///< The light at the vertex: Gouraud.
-  adaptive,  ///< `sample` on the mesh cut where the error is, until it is nowhere above the tolerance.
+  face,           ///< One colour per face: the light at its centroid along its geometric normal.
+  sample,         ///< The light at the vertex: Gouraud.
+  average,        ///< The mean of the faces around: usually worse than `sample`, kept as the warning it is.
+  least_squares,  ///< The colours of least squared error over the surface (Kavan, Bargteil, Sloan 2011).
+  uniform,        ///< `sample` after quartering every triangle `levels` times.
+  adaptive,       ///< `sample` on the mesh cut where the error is, until it is nowhere above the tolerance.
 };
 
 /// What a method that cuts can promise of its result.
@@ -62,6 +65,9 @@ struct BakeOptions {
   /// How much of an encoded colour in [0,1] merging many lights may cost, certified (shading/light_tree.h);
   /// 0 sums them all.
   double light_tolerance = 0.25 / 255;
+  /// least_squares: weight of the jumps of the colour's derivative across edges; >= 0, no unit.
+  double gradient_weight = 0.003;
+  int levels = 1;  ///< uniform: >= 0.
   Progress progress{};
 };
 

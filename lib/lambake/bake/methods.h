@@ -18,6 +18,12 @@ SampledColors sample_at_vertices(const Scene& scene, const Mesh& mesh, double li
 
 BakedColors bake_face(const Scene& scene, double light_tolerance);
 
+BakedColors bake_average(const Scene& scene);
+
+BakedColors bake_least_squares(const Scene& scene, const BakeOptions& options);
+
+BakedColors bake_uniform(const Scene& scene, const BakeOptions& options);
+
 BakedColors bake_adaptive(const Scene& scene, const BakeOptions& options);
 
 }  // namespace lambake

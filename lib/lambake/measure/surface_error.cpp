@@ -6,42 +6,13 @@
 #include <numeric>
 
 #include "lambake/core/parallel.h"
+#include "lambake/core/quadrature.h"
 #include "lambake/measure/surface.h"
 
 namespace lambake {
 namespace {
 
 constexpr std::size_t block_size = 256;
-
-/// A symmetric quadrature rule on a triangle: barycentrics and weights that add up to 1.
-struct Node {
-  glm::dvec3 b;
-  double weight;
-};
-
-constexpr void add_orbit(Node* to, double a, double weight) {
-  to[0] = {{1 - 2 * a, a, a}, weight};
-  to[1] = {{a, 1 - 2 * a, a}, weight};
-  to[2] = {{a, a, 1 - 2 * a}, weight};
-}
-
-/// Exact to degree 4 with 6 nodes; Dunavant, IJNME 21, 1985.
-constexpr std::array<Node, 6> rule_4 = [] {
-  std::array<Node, 6> rule{};
-  add_orbit(rule.data(), 0.445948490915965, 0.223381589678011);
-  add_orbit(&rule[3], 0.091576213509771, 0.109951743655322);
-  return rule;
-}();
-
-/// Exact to degree 5 with 7 nodes; Radon 1948.
-constexpr std::array<Node, 7> rule_5 = [] {
-  constexpr double sqrt15 = 3.872983346207417;
-  std::array<Node, 7> rule{};
-  add_orbit(rule.data(), (6 - sqrt15) / 21, (155 - sqrt15) / 1200);
-  add_orbit(&rule[3], (6 + sqrt15) / 21, (155 + sqrt15) / 1200);
-  rule[6] = {{1.0 / 3, 1.0 / 3, 1.0 / 3}, 0.225};
-  return rule;
-}();
 
 /// Mean values over (a part of) a triangle, over its three channels, and the largest that was met.
 struct Sums {
@@ -156,12 +127,12 @@ struct Estimate {
 Estimate estimate(const TriangleError& error, const glm::dmat3& part) {
   Estimate result;
   double square_4 = 0;
-  for (const Node& node : rule_4) {
+  for (const QuadratureNode& node : quadrature_4) {
     const glm::dvec3 b = part * node.b, e = error(b);
     square_4 += node.weight * glm::dot(e, e) / 3;
     result.sums.see(std::max({std::abs(e[0]), std::abs(e[1]), std::abs(e[2])}), b);
   }
-  for (const Node& node : rule_5) {
+  for (const QuadratureNode& node : quadrature_5) {
     const glm::dvec3 b = part * node.b;
     result.sums.add(error(b), node.weight, b);
   }
@@ -171,12 +142,6 @@ Estimate estimate(const TriangleError& error, const glm::dmat3& part) {
       result.sums.add(error(b), 0, b);
   result.uncertainty = std::abs(result.sums.square - square_4);
   return result;
-}
-
-std::array<glm::dmat3, 4> quarters(const glm::dmat3& t) {
-  const glm::dvec3 m01 = 0.5 * (t[0] + t[1]), m12 = 0.5 * (t[1] + t[2]), m20 = 0.5 * (t[2] + t[0]);
-  return {glm::dmat3(t[0], m01, m20), glm::dmat3(m01, t[1], m12), glm::dmat3(m20, m12, t[2]),
-          glm::dmat3(m01, m12, m20)};
 }
 
 /// Adaptive quadrature of one triangle: a part is quartered until its two rules agree to `tolerance`, which

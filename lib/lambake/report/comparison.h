@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "lambake/core/finding.h"
+#include "lambake/measure/error_shares.h"
 #include "lambake/measure/image_error.h"
 #include "lambake/measure/light_share.h"
 #include "lambake/measure/surface_error.h"
@@ -31,6 +32,7 @@ struct Comparison {
   /// Certified: |G − F| is nowhere on the surface above it. Infinite where a light lies on the surface; none
   /// where it was not asked for.
   std::optional<double> max_bound_linear, max_bound_display;
+  ErrorShares shares;                ///< What interpolation, clipping and quantisation make of it.
   std::string verdict;               ///< One sentence; empty: the page makes one from the numbers.
   Picture per_vertex, per_fragment;  ///< Of the first view.
   Visibility visibility;             ///< Of the first view, of the scene's mesh.

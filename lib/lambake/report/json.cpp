@@ -74,6 +74,9 @@ std::string report_json(const Comparison& c) {
   json["image"]["display"]["histogram"] = c.image_display.histogram;
   json["surface"] = {{"linear", surface_json(c.surface_linear, c.max_bound_linear)},
                      {"display", surface_json(c.surface_display, c.max_bound_display)}};
+  json["error_shares"] = {{"interpolation", finite_or_null(c.shares.interpolation)},
+                          {"clipping", finite_or_null(c.shares.clipping)},
+                          {"quantisation", finite_or_null(c.shares.quantisation)}};
   const std::vector<SurfacePlace>& worst = c.surface_display.worst;
   json["max_at"] = worst.empty() ? Json(nullptr) : place_json(worst.front());
   json["worst"] = Json::array();

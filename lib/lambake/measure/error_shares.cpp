@@ -1,0 +1,54 @@
+#include "lambake/measure/error_shares.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "lambake/measure/surface.h"
+#include "lambake/measure/surface_error.h"
+
+namespace lambake {
+namespace {
+
+/// RMS over the surface and the channels of what is linear between the vertices: on a triangle
+/// ∫ (Σ b_i d_i)² dA = A/12 (Σ d_i² + (Σ d_i)²). Base colours without textures.
+double rms_of_difference(const ComparedSurface& surface, const std::vector<LinearRgb>& a,
+                         const std::vector<LinearRgb>& b) {
+  double sum = 0, total = 0;
+  for (std::size_t f = 0; f < surface.n_triangles(); ++f) {
+    const double area = 0.5 * glm::length(ComparedSurface::area_vector(surface.patch(f)));
+    if (!(area > 0) || !std::isfinite(area)) continue;
+    total += area;
+    const LinearRgb& base = surface.scene().materials[surface.mesh().material_of(f)].base_color;
+    glm::dvec3 squares(0), plain(0);
+    for (int c = 0; c < 3; ++c) {
+      const std::uint32_t v = surface.mesh().triangles[f][c];
+      const LinearRgb step = base * (a[v] - b[v]);
+      const glm::dvec3 d(step.r, step.g, step.b);
+      squares += d * d, plain += d;
+    }
+    const glm::dvec3 integral = area / 12 * (squares + plain * plain);
+    sum += (integral[0] + integral[1] + integral[2]) / 3;
+  }
+  return total > 0 ? std::sqrt(sum / total) : 0;
+}
+
+}  // namespace
+
+ErrorShares error_shares(const Scene& scene, const BakedColors& baked,
+                         const std::function<LinearRgb(const LinearRgb&)>& as_stored) {
+  ErrorShares shares;
+  shares.interpolation = surface_error(scene, baked, ErrorSpace::linear).rmse;
+  if (!as_stored) return shares;
+  const ComparedSurface surface(scene, baked);
+  std::vector<LinearRgb> clipped = baked.colors, stored;
+  for (LinearRgb& c : clipped)
+    c = {std::clamp(c.r, 0.0f, 1.0f), std::clamp(c.g, 0.0f, 1.0f), std::clamp(c.b, 0.0f, 1.0f)};
+  stored.reserve(clipped.size());
+  for (const LinearRgb& c : clipped) stored.push_back(as_stored(c));
+  shares.clipping = rms_of_difference(surface, clipped, baked.colors);
+  shares.quantisation = rms_of_difference(surface, stored, clipped);
+  return shares;
+}
+
+}  // namespace lambake

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "lambake/bake/bake.h"
+#include "lambake/scene/scene.h"
+
+namespace lambake {
+
+/// What one method costs and leaves on a scene.
+struct MethodTrial {
+  BakeMethod method = BakeMethod::sample;
+  std::size_t n_vertices = 0, n_triangles = 0;
+  std::size_t bytes = 0;      ///< Of positions, normals, colours (u16) and indices in a file.
+  double seconds = 0;         ///< To bake; measuring not counted.
+  double rmse = 0;            ///< On screen.
+  double max_found = 0;       ///< On screen, sampled.
+  double max_bound = 0;       ///< On screen, certified.
+  bool is_certified = false;  ///< max_bound <= tolerance.
+};
+
+/// The cheapest method whose result cannot be told from per-pixel lighting.
+struct Selection {
+  std::vector<MethodTrial> trials;  ///< In the order that they were tried.
+  std::size_t chosen = 0;           ///< Index into `trials`.
+  bool is_certified = false;        ///< Of the chosen one; otherwise no method reaches the tolerance.
+  std::string sentence;             ///< The verdict, for people.
+  BakedColors baked;                ///< What the chosen method made.
+};
+
+/// Tries face, sample, least-squares and adaptive with the options given (tolerance, limits, as_stored), and
+/// takes the certified one of fewest bytes, of those the one that bakes fastest. Where none is certified,
+/// adaptive is taken.
+Selection select_method(const Scene& scene, const BakeOptions& options);
+
+/// "face", "sample", "least-squares", …, as on the command line.
+std::string name_of(BakeMethod method);
+
+}  // namespace lambake

@@ -1,0 +1,142 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "lambake/bake/bake.h"
+#include "lambake/core/error.h"
+#include "lambake/measure/surface_error.h"
+#include "measure/scenes.h"
+
+namespace lambake {
+namespace {
+
+BakedColors least_squares(const Scene& scene, double gradient_weight = 0) {
+  return bake(scene, {.method = BakeMethod::least_squares, .gradient_weight = gradient_weight});
+}
+
+double rmse(const Scene& scene, const BakedColors& baked) {
+  return surface_error(scene, baked, ErrorSpace::linear).rmse;
+}
+
+TEST(LeastSquares, SphereAndPlane_HaveAFractionOfTheErrorOfSampling) {
+  const auto gain = [](const Scene& scene) {
+    return rmse(scene, bake(scene, {})) / rmse(scene, bake(scene, {.method = BakeMethod::least_squares}));
+  };
+  // The least that any colours reach is 1 / 1.478, 1 / 1.991 and 1 / 2.217 of the error.
+  EXPECT_GE(gain(scene_of(icosphere(3), {sun({0.4f, 1, 0.3f})})), 1.47);
+  EXPECT_GE(gain(scene_of(icosphere(4), {lamp({0.5f, 1.25f, 0.375f}, {0.1f, 0.1f, 0.1f})})), 1.99);
+  EXPECT_GE(gain(scene_of(grid(32, 1), {lamp({0, 0.25f, 0}, {0.05f, 0.05f, 0.05f})})), 2.21);
+}
+
+TEST(LeastSquares, LightThatIsLinear_IsFoundExactly) {
+  const Scene scene = scene_of(grid(5, 1), {sun({0.4f, 1, 0.3f}, {0.9f, 0.5f, 0.2f})});
+  const BakedColors sampled = bake(scene, {}), fitted = least_squares(scene, 0.1);
+  for (std::size_t v = 0; v < sampled.colors.size(); ++v) {
+    EXPECT_NEAR(fitted.colors[v].r, sampled.colors[v].r, 1e-6);
+    EXPECT_NEAR(fitted.colors[v].b, sampled.colors[v].b, 1e-6);
+  }
+}
+
+// A minimum: every small change of the colours makes it worse. (No terminator, where black is a limit.)
+TEST(LeastSquares, AnyChangeOfTheColours_RaisesTheRmse) {
+  const Scene scene = scene_of(grid(6, 1), {lamp({0.2f, 0.4f, 0.1f}, {0.1f, 0.2f, 0.1f})});
+  const BakedColors best = least_squares(scene);
+  const double least = rmse(scene, best);
+  std::mt19937 engine(5);
+  for (int trial = 0; trial < 20; ++trial) {
+    BakedColors changed = best;
+    for (LinearRgb& c : changed.colors) {
+      const float change = 0.01f * (static_cast<float>(engine()) / 2147483648.0f - 1);
+      c += {change, change, change};
+    }
+    EXPECT_GT(rmse(scene, changed), least);
+  }
+}
+
+TEST(LeastSquares, MoreGradientWeight_CostsRmse) {
+  const Scene scene = scene_of(icosphere(2), {sun({0.4f, 1, 0.3f})});
+  double previous = 0;
+  for (const double weight : {0.0, 0.1, 1.0, 10.0}) {
+    const double now = rmse(scene, least_squares(scene, weight));
+    EXPECT_GT(now, previous);
+    previous = now;
+  }
+}
+
+TEST(LeastSquares, CopiesAtASeam_KeepOneColour) {
+  Scene scene = scene_of(icosphere(1), {sun({0.4f, 1, 0.3f})});
+  const std::uint32_t copy = append_vertex_copy(scene.mesh, 0);
+  int n_uses = 0;  // every second triangle around it takes the copy
+  for (glm::uvec3& t : scene.mesh.triangles)
+    for (int c = 0; c < 3; ++c)
+      if (t[c] == 0 && ++n_uses % 2 == 0) t[c] = copy;
+  const BakedColors baked = least_squares(scene, 0.05);
+  EXPECT_EQ(baked.colors[0], baked.colors[copy]);
+  Scene whole = scene_of(icosphere(1), {sun({0.4f, 1, 0.3f})});
+  EXPECT_NEAR(baked.colors[0].g, least_squares(whole, 0.05).colors[0].g, 1e-6);
+}
+
+TEST(LeastSquares, OvershootBelowBlack_IsCounted) {
+  const Scene scene = scene_of(icosphere(2), {sun({0.4f, 1, 0.3f})});
+  const BakedColors baked = least_squares(scene);
+  std::size_t n_below = 0;
+  for (const LinearRgb& c : baked.colors) n_below += std::min({c.r, c.g, c.b}) < 0;
+  EXPECT_GT(n_below, 0U);
+  ASSERT_FALSE(baked.findings.empty());
+  EXPECT_EQ(baked.findings[0].code, "overshoot_below_0");
+  EXPECT_EQ(baked.findings[0].count, n_below);
+}
+
+TEST(LeastSquares, DefectsAndUnlitFaces_DoNotBreakIt) {
+  Mesh mesh = icosphere(1);
+  const auto n = static_cast<std::uint32_t>(mesh.n_vertices());
+  mesh.positions.push_back({NAN, 0, 0});
+  mesh.positions.push_back({5, 5, 5});
+  mesh.triangles.push_back({0, 1, n});
+  mesh.triangles.push_back({0, 1, 1});
+  mesh.triangles.push_back({0, 1, n + 1});
+  mesh.triangles.push_back({2, 1, n + 1});
+  Scene scene = scene_of(mesh, {sun({0.4f, 1, 0.3f}), lamp({1, 1.5f, 0})});
+  scene.materials.resize(2);
+  scene.materials[1].is_unlit = true;
+  scene.mesh.materials.assign(scene.mesh.n_triangles(), 0);
+  scene.mesh.materials[3] = 1;
+  for (const BakeMethod method : {BakeMethod::least_squares, BakeMethod::average}) {
+    const BakedColors baked = bake(scene, {.method = method, .gradient_weight = 0.1});
+    for (const LinearRgb& c : baked.colors) EXPECT_TRUE(is_finite(c));
+    EXPECT_TRUE(std::isfinite(rmse(scene, baked)));
+  }
+  EXPECT_TRUE(least_squares(scene_of(Mesh{}, {sun({0, 1, 0})})).colors.empty());
+  EXPECT_THROW(least_squares(scene, -1), InvalidOption);
+}
+
+TEST(Average, SphereUnderASun_IsWorseThanSampling) {
+  const Scene scene = scene_of(icosphere(3), {sun({0.4f, 1, 0.3f})});
+  EXPECT_GT(rmse(scene, bake(scene, {.method = BakeMethod::average})), rmse(scene, bake(scene, {})));
+}
+
+TEST(Average, FlatGridUnderASun_IsTheLight) {
+  const Scene scene = scene_of(grid(3, 1), {sun({0, 1, 0}, {0.5f, 0.25f, 1})});
+  for (const LinearRgb& c : bake(scene, {.method = BakeMethod::average}).colors)
+    EXPECT_EQ(c, (LinearRgb{0.5f, 0.25f, 1}));
+}
+
+TEST(Uniform, EachLevel_QuartersTheTrianglesAndTheErrorOfSmoothLight) {
+  const Scene scene = scene_of(grid(4, 1), {lamp({0.1f, 0.7f, 0.2f}, {0.3f, 0.3f, 0.3f})});
+  double previous = 0;
+  for (int level = 0; level <= 3; ++level) {
+    const BakedColors baked = bake(scene, {.method = BakeMethod::uniform, .levels = level});
+    EXPECT_EQ(baked.mesh->n_triangles(), scene.mesh.n_triangles() << (2 * level));
+    EXPECT_EQ(baked.mesh->n_vertices(), static_cast<std::size_t>((4 << level) + 1) * ((4U << level) + 1));
+    const double error = rmse(scene, baked);
+    if (level > 1) {
+      EXPECT_NEAR(previous / error, 4, 0.5);
+    }
+    previous = error;
+  }
+  EXPECT_THROW(bake(scene, {.method = BakeMethod::uniform, .levels = 14}), InvalidOption);
+}
+
+}  // namespace
+}  // namespace lambake

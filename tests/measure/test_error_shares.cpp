@@ -1,0 +1,39 @@
+#include "lambake/measure/error_shares.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "lambake/measure/surface_error.h"
+#include "scenes.h"
+
+namespace lambake {
+namespace {
+
+TEST(ErrorShares, FlatGridThatClips_ErrsByTheClippingAlone) {
+  const Scene scene = scene_of(grid(2, 1), {sun({0, 1, 0}, {1.5f, 1, 0.25f})});
+  const ErrorShares shares = error_shares(scene, bake(scene, {}), [](const LinearRgb& c) { return c; });
+  EXPECT_LT(shares.interpolation, 1e-15);  // rounding of the interpolation
+  EXPECT_NEAR(shares.clipping, 0.5 / std::sqrt(3.0), 1e-12);
+  EXPECT_EQ(shares.quantisation, 0);
+}
+
+TEST(ErrorShares, CoarseSteps_AreTheQuantisation) {
+  const Scene scene = scene_of(icosphere(3), {sun({0.4f, 1, 0.3f})});
+  BakedColors baked = bake(scene, {});
+  const auto in_eighths = [](const LinearRgb& c) {
+    const auto step = [](float x) { return std::round(x * 8) / 8; };
+    return LinearRgb{step(c.r), step(c.g), step(c.b)};
+  };
+  const ErrorShares shares = error_shares(scene, baked, in_eighths);
+  EXPECT_EQ(shares.clipping, 0);
+  // A value is off by 1/8/√12 in the mean square where it is spread evenly; half of the sphere is black.
+  EXPECT_GT(shares.quantisation, 0.3 * 0.125 / std::sqrt(12.0));
+  EXPECT_LT(shares.quantisation, 0.125 / std::sqrt(12.0));
+  for (LinearRgb& c : baked.colors) c = in_eighths(c);
+  const double whole = surface_error(scene, baked, ErrorSpace::linear).rmse;
+  EXPECT_NEAR(std::hypot(shares.interpolation, shares.quantisation), whole, 0.05 * whole);
+}
+
+}  // namespace
+}  // namespace lambake

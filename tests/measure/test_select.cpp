@@ -1,0 +1,41 @@
+#include "lambake/measure/select.h"
+
+#include <gtest/gtest.h>
+
+#include "lambake/measure/surface_error.h"
+#include "scenes.h"
+
+namespace lambake {
+namespace {
+
+TEST(SelectMethod, FlatGridUnderASun_NeedsNoMoreThanSampling) {
+  const Selection selection = select_method(scene_of(grid(4, 1), {sun({0.4f, 1, 0.3f})}), {});
+  ASSERT_EQ(selection.trials.size(), 4U);
+  EXPECT_TRUE(selection.is_certified);
+  const MethodTrial& chosen = selection.trials[selection.chosen];
+  EXPECT_TRUE(chosen.is_certified);
+  for (const MethodTrial& trial : selection.trials)
+    EXPECT_TRUE(!trial.is_certified || chosen.bytes <= trial.bytes);
+  EXPECT_NE(selection.sentence.find("suffices"), std::string::npos);
+}
+
+TEST(SelectMethod, SphereUnderASun_NeedsCuts) {
+  const Scene scene = scene_of(icosphere(3), {sun({0.4f, 1, 0.3f})});
+  const Selection selection = select_method(scene, {});
+  EXPECT_TRUE(selection.is_certified);
+  EXPECT_EQ(selection.trials[selection.chosen].method, BakeMethod::adaptive);
+  EXPECT_LE(surface_error(scene, selection.baked, ErrorSpace::display).max_sampled, 1.0 / 255);
+  EXPECT_NE(selection.sentence.find("642 -> "), std::string::npos) << selection.sentence;
+  for (const MethodTrial& trial : selection.trials) EXPECT_GE(trial.max_bound, trial.max_found);
+}
+
+TEST(SelectMethod, TooFewVertices_SaysThatPixelsAreNeeded) {
+  const Scene scene = scene_of(icosphere(2), {sun({0.4f, 1, 0.3f})});
+  const Selection selection = select_method(scene, {.max_vertices = 170});
+  EXPECT_FALSE(selection.is_certified);
+  EXPECT_EQ(selection.sentence.rfind("per-pixel lighting is needed", 0), 0U) << selection.sentence;
+  EXPECT_LE(selection.baked.mesh->n_vertices(), 170U);
+}
+
+}  // namespace
+}  // namespace lambake
