@@ -64,7 +64,7 @@ Mesh rectangle(const Vec3& corner, const Vec3& u, const Vec3& v, unsigned n_u, u
 }
 
 Mesh creased_box() {
-  Mesh mesh = rounded_box(6);
+  Mesh mesh = rounded_box(3);
   split_creases(mesh, std::numbers::pi_v<float> / 6);
   mesh.normals = vertex_normals(mesh, NormalWeight::angle).normals;
   return mesh;
@@ -99,17 +99,18 @@ class Gallery {
   void add_room() {
     const int wood = material("floor", {1, 1, 1}, texture("wood", wood_planks()));
     const int plaster = material("wall", {0.80f, 0.77f, 0.72f});
-    node("floor", mesh("floor", rectangle({-5, 0, 4}, {10, 0, 0}, {0, 0, -8}, 14, 11, 2.5f), wood));
-    node("back wall", mesh("back wall", rectangle({-5, 0, -4}, {10, 0, 0}, {0, 4, 0}, 14, 6, 0), plaster));
-    node("left wall", mesh("left wall", rectangle({-5, 0, 4}, {0, 0, -8}, {0, 4, 0}, 11, 6, 0), plaster));
-    node("right wall", mesh("right wall", rectangle({5, 0, -4}, {0, 0, 8}, {0, 4, 0}, 11, 6, 0), plaster));
+    node("floor", mesh("floor", rectangle({-5, 0, 4}, {10, 0, 0}, {0, 0, -8}, 8, 7, 2.5f), wood));
+    node("back wall", mesh("back wall", rectangle({-5, 0, -4}, {10, 0, 0}, {0, 4, 0}, 9, 4, 0), plaster));
+    node("left wall", mesh("left wall", rectangle({-5, 0, 4}, {0, 0, -8}, {0, 4, 0}, 7, 4, 0), plaster));
+    node("right wall", mesh("right wall", rectangle({5, 0, -4}, {0, 0, 8}, {0, 4, 0}, 7, 4, 0), plaster));
+    node("ceiling", mesh("ceiling", rectangle({-5, 4, -4}, {10, 0, 0}, {0, 0, 8}, 8, 7, 0), plaster));
     const int frame = material("frame", {0.10f, 0.08f, 0.07f});
     const int painting = material("painting", {1, 1, 1}, texture("painting", dusk_painting()));
     const int frame_mesh =
-        mesh("frame", rectangle({-1.0f, 1.35f, -3.97f}, {2.0f, 0, 0}, {0, 1.5f, 0}, 2, 2, 0), frame);
+        mesh("frame", rectangle({-1.0f, 1.75f, -3.97f}, {2.0f, 0, 0}, {0, 1.5f, 0}, 2, 2, 0), frame);
     const int painting_mesh =
-        mesh("painting", rectangle({-0.92f, 1.43f, -3.95f}, {1.84f, 0, 0}, {0, 1.34f, 0}, 3, 2, 0), painting);
-    for (const float x : {-1.75f, 1.75f}) {
+        mesh("painting", rectangle({-0.92f, 1.83f, -3.95f}, {1.84f, 0, 0}, {0, 1.34f, 0}, 3, 2, 0), painting);
+    for (const float x : {-1.9f, 1.9f}) {
       node("frame", frame_mesh, {x, 0, 0});
       node("painting", painting_mesh, {x, 0, 0});
     }
@@ -117,32 +118,32 @@ class Gallery {
     model_.materials[index_of(sky)].extensions["KHR_materials_unlit"] =
         tinygltf::Value(tinygltf::Value::Object());
     node("window frame",
-         mesh("window frame", rectangle({-4.97f, 1.1f, 1.9f}, {0, 0, -2.2f}, {0, 2.1f, 0}, 2, 2, 0), frame));
+         mesh("window frame", rectangle({-4.97f, 1.1f, -0.2f}, {0, 0, -2.2f}, {0, 2.1f, 0}, 2, 2, 0), frame));
     const int pane = mesh("pane", rectangle({-4.95f, 1.2f, 0}, {0, 0, -0.95f}, {0, 1.9f, 0}, 1, 1, 0), sky);
-    node("pane", pane, {0, 0, 1.8f});
-    node("pane", pane, {0, 0, 0.75f});
+    node("pane", pane, {0, 0, -0.3f});
+    node("pane", pane, {0, 0, -1.35f});
   }
 
   void add_sculptures() {
     const int marble = material("marble", {0.95f, 0.94f, 0.92f}, texture("marble", marble_veins()));
     const int stand = mesh("pedestal", pedestal(0.5f, 1.0f), marble);
-    node("pedestal", stand, {0, 0, -0.9f}, {1.2f, 0.8f, 1.2f});
+    node("pedestal", stand, {0, 0, -1.2f}, {1.2f, 0.8f, 1.2f});
     for (const Vec3& at :
-         {Vec3(-2.7f, 0, -0.1f), Vec3(2.7f, 0, -0.1f), Vec3(-3.7f, 0, -2.8f), Vec3(3.7f, 0, -2.8f)})
+         {Vec3(-2.0f, 0, 0.5f), Vec3(2.0f, 0, 0.5f), Vec3(-3.7f, 0, -2.8f), Vec3(3.7f, 0, -2.8f)})
       node("pedestal", stand, at);
 
-    Mesh knot_shape = torus_knot(96, 12, 0.2f);
+    Mesh knot_shape = torus_knot(72, 9, 0.2f);
     knot_shape.colors.clear();
     const int knot = mesh("knot", knot_shape, material("gold", {0.95f, 0.64f, 0.22f}));
-    node("knot", knot, {0, 1.8f, -0.9f}, Vec3(0.68f), 35);
-    node("mirrored knot", knot, {3.7f, 1.62f, -2.8f}, {-0.42f, 0.42f, 0.42f}, -20);
+    node("knot", knot, {0, 1.78f, -1.2f}, Vec3(0.68f), 20, 68);
+    node("mirrored knot", knot, {3.7f, 1.64f, -2.8f}, {-0.45f, 0.45f, 0.45f}, -25, 62);
 
-    Mesh ball_shape = uv_sphere(14, 20);
+    Mesh ball_shape = uv_sphere(10, 16);
     const int ball = mesh("ball", ball_shape, material("porcelain", {0.92f, 0.92f, 0.90f}));
-    node("ball", ball, {-2.7f, 1.55f, -0.1f}, Vec3(0.55f));
+    node("ball", ball, {-2.0f, 1.55f, 0.5f}, Vec3(0.55f));
     node("egg", ball, {-3.7f, 1.8f, -2.8f}, {0.4f, 0.8f, 0.4f});  // Normals are not scaled as positions are.
 
-    node("box", mesh("box", creased_box(), material("jade", {0.20f, 0.62f, 0.45f})), {2.7f, 1.37f, -0.1f},
+    node("box", mesh("box", creased_box(), material("jade", {0.20f, 0.62f, 0.45f})), {2.0f, 1.37f, 0.5f},
          Vec3(0.46f), 28);
   }
 
@@ -162,7 +163,7 @@ class Gallery {
       tinygltf::Material& glowing = model_.materials[index_of(glow)];
       glowing.emissiveFactor = {color.r, color.g, color.b};
       glowing.extensions["KHR_materials_emissive_strength"] =
-          object({{"emissiveStrength", tinygltf::Value(0.9)}});
+          object({{"emissiveStrength", tinygltf::Value(0.55)}});
       tinygltf::Mesh bulb = model_.meshes[index_of(bulb_shape)];
       bulb.name = name + " bulb";
       bulb.primitives[0].material = glow;
@@ -170,18 +171,18 @@ class Gallery {
       node(name + " bulb", static_cast<int>(model_.meshes.size()) - 1, at, Vec3(0.085f));
       if (at.y > 1.5f) node("cord", cord, at, {1, 4 - at.y, 1});
     };
-    lamp("amber lamp", {-2.2f, 2.75f, 0.9f}, {1, 0.56f, 0.20f}, 9, 0);
-    lamp("blue lamp", {2.5f, 2.55f, 1.0f}, {0.22f, 0.50f, 1}, 9, 7);
-    lamp("rose lamp", {0, 0.35f, -2.9f}, {1, 0.22f, 0.45f}, 3, 0);
+    lamp("amber lamp", {-2.9f, 2.6f, 0.9f}, {1, 0.50f, 0.15f}, 9, 0);
+    lamp("blue lamp", {2.95f, 2.45f, 1.05f}, {0.18f, 0.46f, 1}, 9.5, 7);
+    lamp("rose lamp", {0, 0.35f, -3.1f}, {1, 0.16f, 0.40f}, 3.2, 0);
 
     tinygltf::Light spot;
     spot.name = "spot";
     spot.type = "spot";
     spot.color = {1, 0.95, 0.85};
-    spot.intensity = 16;
+    spot.intensity = 24;
     spot.spot.innerConeAngle = 0.18;
     spot.spot.outerConeAngle = 0.42;
-    node_light(aimed_node("spot", {0.3f, 4.6f, 1.6f}, {0, 1.4f, -0.9f}), spot);
+    node_light(aimed_node("spot", {0.5f, 3.9f, 1.2f}, {0, 1.4f, -1.2f}), spot);
 
     tinygltf::Light sun;
     sun.name = "evening sun";
@@ -192,8 +193,8 @@ class Gallery {
   }
 
   void add_cameras() {
-    camera("room", {0.6f, 2.15f, 9.2f}, {0, 1.45f, -1.5f}, 0.60);
-    camera("knot", {1.6f, 2.5f, 2.3f}, {-0.15f, 1.55f, -1.0f}, 0.75);
+    camera("room", {0.5, 2.0, 9.6}, {0, 1.75, -1.5}, 0.52);
+    camera("knot", {1.3, 2.4, 2.2}, {-0.1, 1.6, -1.3}, 0.75);
   }
 
   static std::size_t index_of(int i) { return static_cast<std::size_t>(i); }
@@ -275,14 +276,17 @@ class Gallery {
   }
 
   tinygltf::Node& node(const std::string& name, int mesh, const Vec3& at = Vec3(0),
-                       const Vec3& scale = Vec3(1), double turn_deg = 0) {
+                       const Vec3& scale = Vec3(1), double turn_deg = 0, double tilt_deg = 0) {
     tinygltf::Node node;
     node.name = name;
     node.mesh = mesh;
     if (at != Vec3(0)) node.translation = {at.x, at.y, at.z};
     if (scale != Vec3(1)) node.scale = {scale.x, scale.y, scale.z};
-    const double half = turn_deg * std::numbers::pi / 360;
-    if (turn_deg != 0) node.rotation = {0, std::sin(half), 0, std::cos(half)};
+    const double turn = turn_deg * std::numbers::pi / 360,
+                 tilt = tilt_deg * std::numbers::pi / 360;  // Halves.
+    if (turn_deg != 0 || tilt_deg != 0)
+      node.rotation = {std::cos(turn) * std::sin(tilt), std::sin(turn) * std::cos(tilt),
+                       -std::sin(turn) * std::sin(tilt), std::cos(turn) * std::cos(tilt)};
     model_.scenes[0].nodes.push_back(static_cast<int>(model_.nodes.size()));
     return model_.nodes.emplace_back(node);
   }
@@ -327,11 +331,12 @@ int main(int argc, char** argv) {
     std::fputs("usage: generate_gallery FILE.glb\n", stderr);
     return 2;
   }
+  const std::string path = argv[1];
   const tinygltf::Model model = lambake::Gallery().build();
-  if (!tinygltf::TinyGLTF().WriteGltfSceneToFile(&model, argv[1], /* embed images */ true,
+  if (!tinygltf::TinyGLTF().WriteGltfSceneToFile(&model, path, /* embed images */ true,
                                                  /* embed buffers */ true,
                                                  /* pretty */ false, /* binary */ true)) {
-    std::fprintf(stderr, "%s: cannot be written\n", argv[1]);
+    std::fprintf(stderr, "%s: cannot be written\n", path.c_str());
     return 3;
   }
 }

@@ -157,9 +157,12 @@ class AccessorCheck {
     check_elements(sparse.values.bufferView, index_of(sparse.values.byteOffset), index_of(sparse.count),
                    element_bytes, element_bytes);
     const unsigned char* indices = view_begin(model_, sparse.indices.bufferView) + sparse.indices.byteOffset;
+    std::uint64_t least = 0;
     for (std::size_t i = 0; i < index_of(sparse.count); ++i) {
       const std::uint32_t at = load_unsigned(indices + i * index_bytes, type);
-      expect(at < accessor.count, fmt::format("sparse indices below {}", accessor.count), at);
+      expect(at >= least && at < accessor.count,
+             fmt::format("rising sparse indices from {} to below {}", least, accessor.count), at);
+      least = std::uint64_t{at} + 1;
     }
   }
 

@@ -11,11 +11,12 @@
 namespace lambake {
 namespace {
 
-glm::dvec3 direction_of(const glm::dvec3& v, std::size_t node) {
+glm::dvec3 direction_of(const glm::dvec3& v, const GltfAsset& asset, std::size_t node) {
   const double length = glm::length(v);
   if (!(length > 0) || !std::isfinite(length))
     throw InvalidScene(
-        fmt::format("nodes[{}]: its matrix leaves no direction for the light or camera that it holds", node));
+        fmt::format("{}: nodes[{}]: its matrix leaves no direction for the light or camera that it holds",
+                    asset.path, node));
   return v / length;
 }
 
@@ -46,12 +47,12 @@ std::optional<Light> read_gltf_light(const GltfAsset& asset, std::size_t node, c
   light.range = static_cast<float>(from.range);
   if (from.type == "directional") {
     light.type = LightType::directional;
-    light.direction_to_light = glm::vec3(direction_of(glm::dvec3(world[2]), node));
+    light.direction_to_light = glm::vec3(direction_of(glm::dvec3(world[2]), asset, node));
   } else if (from.type == "point") {
     light.type = LightType::point;
   } else if (from.type == "spot") {
     light.type = LightType::spot;
-    light.spot_direction = glm::vec3(direction_of(-glm::dvec3(world[2]), node));
+    light.spot_direction = glm::vec3(direction_of(-glm::dvec3(world[2]), asset, node));
     light.inner_cone_rad = static_cast<float>(from.spot.innerConeAngle);
     light.outer_cone_rad = static_cast<float>(from.spot.outerConeAngle);
   } else {
@@ -97,8 +98,8 @@ std::optional<Camera> read_gltf_camera(const GltfAsset& asset, std::size_t node,
                   fmt::format("cameras[{}].type: expected \"perspective\" or \"orthographic\", found \"{}\"",
                               holder.camera, from.type));
   }
-  const glm::dvec3 back = direction_of(glm::dvec3(world[2]), node);
-  const glm::dvec3 right = direction_of(glm::cross(glm::dvec3(world[1]), back), node);
+  const glm::dvec3 back = direction_of(glm::dvec3(world[2]), asset, node);
+  const glm::dvec3 right = direction_of(glm::cross(glm::dvec3(world[1]), back), asset, node);
   camera.world_from_camera =
       glm::mat4(glm::dmat4(glm::dvec4(right, 0), glm::dvec4(glm::cross(back, right), 0), glm::dvec4(back, 0),
                            glm::dvec4(glm::dvec3(world[3]), 1)));

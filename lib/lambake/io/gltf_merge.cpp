@@ -39,7 +39,7 @@ void embed_images(const GltfAsset& asset, GltfDocument& document, Findings& find
   for (std::size_t i = 0; i < asset.model.images.size(); ++i) {
     GltfJson& image = document.json["images"][i];
     const GltfJson& uri = member(image, "uri");
-    if (!uri.is_string() || uri.get_ref<const std::string&>().starts_with("data:")) continue;
+    if (!uri.is_string()) continue;
     const std::vector<unsigned char>& bytes = asset.model.images[i].image;
     const std::string mime_type = mime_type_of(bytes);
     if (mime_type.empty()) {

@@ -1,0 +1,280 @@
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "io/glb_reader.h"
+#include "io/gltf_files.h"
+#include "lambake/core/error.h"
+#include "lambake/io/gltf.h"
+
+namespace lambake {
+namespace {
+
+using nlohmann::ordered_json;
+
+/// A sound file: one indexed triangle (36 bytes of positions, 6 of indices) under a node, as data URI.
+ordered_json triangle() {
+  return ordered_json::parse(R"({
+    "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+    "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+    "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"},
+                  {"bufferView": 1, "componentType": 5123, "count": 3, "type": "SCALAR"}],
+    "bufferViews": [{"buffer": 0, "byteLength": 36}, {"buffer": 0, "byteOffset": 36, "byteLength": 6}],
+    "buffers": [{"byteLength": 42, "uri": "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAABAAIA"}]
+  })");
+}
+
+/// Reads text as a .gltf; the message and the exit code of the error, or "" and 0.
+std::pair<std::string, int> outcome_of(const std::string& text, const std::string& name = "bad.gltf") {
+  const std::string path = temporary_file(name);
+  write_bytes(path, text);
+  try {
+    read_gltf_file(path, {});
+  } catch (const Error& error) {
+    return {error.what(), error.exit_code()};
+  }
+  return {"", 0};
+}
+
+struct Case {
+  const char* name;
+  std::function<void(ordered_json&)> spoil;
+  int exit_code;
+  const char* place;  ///< That the message names.
+};
+
+TEST(HostileGltf, SoundTriangle_IsRead) {
+  EXPECT_EQ(outcome_of(triangle().dump()), std::make_pair(std::string(), 0));
+}
+
+TEST(HostileGltf, EachSpoiltPart_IsRefusedInOneLineThatNamesIt) {
+  const std::vector<Case> cases{
+      {"accessor past its view", [](auto& j) { j["accessors"][0]["count"] = 4; }, 3, "accessors[0]"},
+      {"accessor offset that wraps", [](auto& j) { j["accessors"][0]["byteOffset"] = 0xFFFFFFFFFFFFFFF0U; },
+       3, ""},
+      {"count that wraps", [](auto& j) { j["accessors"][0]["count"] = 0x1555555555555556U; }, 3, ""},
+      {"view past its buffer", [](auto& j) { j["bufferViews"][1]["byteLength"] = 7; }, 3, "bufferViews[1]"},
+      {"view length of 1e300", [](auto& j) { j["bufferViews"][1]["byteLength"] = 1e300; }, 3, ""},
+      {"stride below the element", [](auto& j) { j["bufferViews"][0]["byteStride"] = 4; }, 3, "accessors[0]"},
+      {"wrong component type", [](auto& j) { j["accessors"][0]["componentType"] = 5127; }, 3, ""},
+      {"indices of floats",
+       [](auto& j) {
+         j["accessors"][1]["componentType"] = 5126;
+         j["accessors"][1]["count"] = 1;
+       },
+       3, "indices"},
+      {"positions of two components", [](auto& j) { j["accessors"][0]["type"] = "VEC2"; }, 3, "POSITION"},
+      {"index out of range", [](auto& j) { j["accessors"][0]["count"] = 2; }, 3, "indices[2]"},
+      {"accessor that is not there",
+       [](auto& j) { j["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = 9; }, 3, "POSITION"},
+      {"negative accessor", [](auto& j) { j["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = -5; },
+       3, "POSITION"},
+      {"mesh that is not there", [](auto& j) { j["nodes"][0]["mesh"] = 1; }, 3, "nodes[0].mesh"},
+      {"material that is not there", [](auto& j) { j["meshes"][0]["primitives"][0]["material"] = 0; }, 3,
+       "material"},
+      {"root that is not there", [](auto& j) { j["scenes"][0]["nodes"][0] = 1; }, 3, "scenes[0]"},
+      {"default scene that is not there", [](auto& j) { j["scene"] = 1; }, 3, "scene"},
+      {"child that is not there", [](auto& j) { j["nodes"][0]["children"] = {7}; }, 3, "nodes[0].children"},
+      {"node that is its own child", [](auto& j) { j["nodes"][0]["children"] = {0}; }, 3, "nodes"},
+      {"cycle of two",
+       [](auto& j) {
+         j["nodes"][0]["children"] = {1};
+         j["nodes"].push_back({{"children", {0}}});
+       },
+       3, "cycle"},
+      {"node of two parents",
+       [](auto& j) {
+         j["nodes"] = {{{"children", {2}}}, {{"children", {2}}}, {{"mesh", 0}}};
+         j["scenes"][0]["nodes"] = {0, 1};
+       },
+       3, "nodes[2]"},
+      {"matrix of 15 numbers", [](auto& j) { j["nodes"][0]["matrix"] = std::vector<double>(15, 1); }, 3,
+       "nodes[0].matrix"},
+      {"number past float",
+       [](auto& j) {
+         j["nodes"][0]["translation"] = {1e300, 0, 0};
+       },
+       3, "nodes[0].translation"},
+      {"matrices whose product overflows",
+       [](auto& j) {
+         j["nodes"] = {{{"children", {1}}, {"scale", {1e30, 1, 1}}}, {{"mesh", 0}, {"scale", {1e30, 1, 1}}}};
+       },
+       4, "nodes[1]"},
+      {"missing buffer file", [](auto& j) { j["buffers"][0]["uri"] = "not there.bin"; }, 3, "not there.bin"},
+      {"buffer that is a folder", [](auto& j) { j["buffers"][0]["uri"] = "."; }, 3, ""},
+      {"buffer shorter than it says", [](auto& j) { j["buffers"][0]["byteLength"] = 43; }, 3, "buffers[0]"},
+      {"buffer of 4e18 bytes", [](auto& j) { j["buffers"][0]["byteLength"] = 4000000000000000000U; }, 3,
+       "buffers[0]"},
+      {"buffer without a name", [](auto& j) { j["buffers"][0].erase("uri"); }, 3, "buffers[0].uri"},
+      {"image that does not decode",
+       [](auto& j) {
+         j["images"] = {{{"bufferView", 0}, {"mimeType", "image/png"}}};
+         j["textures"] = {{{"source", 0}}};
+         j["materials"] = {{{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}}};
+       },
+       3, "images[0]"},
+      {"image file that is not there",
+       [](auto& j) {
+         j["images"] = {{{"uri", "nowhere.png"}}};
+         j["textures"] = {{{"source", 0}}};
+         j["materials"] = {{{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}}};
+       },
+       3, "images[0]"},
+      {"light without a direction",
+       [](auto& j) {
+         j["extensions"]["KHR_lights_punctual"]["lights"] = {{{"type", "directional"}}};
+         j["nodes"][0]["extensions"]["KHR_lights_punctual"]["light"] = 0;
+         j["nodes"][0]["scale"] = {1, 1, 0};
+       },
+       4, "nodes[0]"},
+      {"light that is not there",
+       [](auto& j) { j["nodes"][0]["extensions"]["KHR_lights_punctual"]["light"] = 3; }, 3, "nodes[0]"},
+      {"light of negative intensity",
+       [](auto& j) {
+         j["extensions"]["KHR_lights_punctual"]["lights"] = {{{"type", "point"}, {"intensity", -1}}};
+         j["nodes"][0]["extensions"]["KHR_lights_punctual"]["light"] = 0;
+       },
+       3, "lights[0]"},
+      {"cone without an inside",
+       [](auto& j) {
+         j["extensions"]["KHR_lights_punctual"]["lights"] = {
+             {{"type", "spot"}, {"spot", {{"innerConeAngle", 1}, {"outerConeAngle", 0.5}}}}};
+         j["nodes"][0]["extensions"]["KHR_lights_punctual"]["light"] = 0;
+       },
+       3, "lights[0]"},
+      {"camera of 0 degrees",
+       [](auto& j) {
+         j["cameras"] = {{{"type", "perspective"}, {"perspective", {{"yfov", 0}, {"znear", 0.1}}}}};
+         j["nodes"][0]["camera"] = 0;
+       },
+       3, "cameras[0]"},
+      {"zeros without end",
+       [](auto& j) {
+         j["accessors"][0].erase("bufferView");
+         j["accessors"][0]["count"] = 4000000000U;
+       },
+       3, "accessors[0]"},
+      {"sparse index out of range",
+       [](auto& j) {
+         j["accessors"][0]["sparse"] = {{"count", 3},
+                                        {"indices", {{"bufferView", 0}, {"componentType", 5125}}},
+                                        {"values", {{"bufferView", 0}}}};
+       },
+       3, "accessors[0]"},
+      {"more sparse values than elements",
+       [](auto& j) {
+         j["accessors"][0]["sparse"] = {{"count", 400},
+                                        {"indices", {{"bufferView", 1}, {"componentType", 5121}}},
+                                        {"values", {{"bufferView", 0}}}};
+       },
+       3, "accessors[0]"},
+      {"joint that is not there",
+       [](auto& j) {
+         j["skins"] = {{{"joints", {5}}}};
+         j["nodes"][0]["skin"] = 0;
+       },
+       3, "skins[0]"},
+      {"meshopt count that its bytes cannot hold",
+       [](auto& j) {
+         j["bufferViews"][0]["extensions"]["EXT_meshopt_compression"] = {{"buffer", 0},
+                                                                         {"byteLength", 36},
+                                                                         {"byteStride", 12},
+                                                                         {"mode", "ATTRIBUTES"},
+                                                                         {"count", 3000000000U}};
+       },
+       3, "EXT_meshopt_compression"},
+      {"meshopt stream of garbage",
+       [](auto& j) {
+         j["bufferViews"][0]["extensions"]["EXT_meshopt_compression"] = {
+             {"buffer", 0}, {"byteLength", 36}, {"byteStride", 12}, {"mode", "ATTRIBUTES"}, {"count", 3}};
+       },
+       3, "EXT_meshopt_compression"},
+      {"Draco stream of garbage",
+       [](auto& j) {
+         j["meshes"][0]["primitives"][0]["extensions"]["KHR_draco_mesh_compression"] = {
+             {"bufferView", 0}, {"attributes", {{"POSITION", 0}}}};
+       },
+       3, "Draco"},
+      {"unknown extension that is required", [](auto& j) { j["extensionsRequired"] = {"XYZ_secret"}; }, 3,
+       "XYZ_secret"},
+      {"glTF 1.0", [](auto& j) { j["asset"]["version"] = "1.0"; }, 3, "asset.version"},
+      {"no asset", [](auto& j) { j.erase("asset"); }, 3, "asset.version"},
+      {"arrays that are numbers", [](auto& j) { j["accessors"] = 3; }, 3, ""},
+      {"meshes that are strings",
+       [](auto& j) {
+         j["meshes"] = {"a", "b"};
+       },
+       3, ""},
+      {"no triangles", [](auto& j) { j["meshes"][0]["primitives"][0]["mode"] = 0; }, 4, "triangles"},
+      {"no nodes",
+       [](auto& j) {
+         j.erase("nodes");
+         j["scenes"][0].erase("nodes");
+       },
+       4, "triangles"},
+  };
+  for (const Case& each : cases) {
+    SCOPED_TRACE(each.name);
+    ordered_json json = triangle();
+    each.spoil(json);
+    const auto [message, exit_code] = outcome_of(json.dump());
+    EXPECT_EQ(exit_code, each.exit_code) << message;
+    EXPECT_NE(message.find(each.place), std::string::npos) << message;
+    EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+    EXPECT_NE(message.find("bad.gltf"), std::string::npos) << message;
+  }
+}
+
+TEST(HostileGltf, NanInAMatrix_IsNoJson) {
+  std::string text = triangle().dump();
+  text.replace(text.find("\"mesh\":0"), 8, "\"mesh\":0,\"translation\":[NaN,0,0]");
+  EXPECT_EQ(outcome_of(text).second, 3);
+}
+
+TEST(HostileGltf, TreeOf10000Levels_IsRead) {
+  ordered_json json = triangle();
+  constexpr int n = 10000;
+  json["nodes"] = ordered_json::array();
+  for (int i = 0; i + 1 < n; ++i) json["nodes"].push_back({{"children", {i + 1}}});
+  json["nodes"].push_back({{"mesh", 0}, {"translation", {0, 0, 1}}});
+  EXPECT_EQ(outcome_of(json.dump()), std::make_pair(std::string(), 0));
+}
+
+TEST(HostileGltf, JsonOf100000Levels_IsRefused) {
+  const std::string text = triangle().dump();
+  const std::string deep =
+      "{\"extras\":" + std::string(100000, '[') + std::string(100000, ']') + "," + text.substr(1);
+  EXPECT_EQ(outcome_of(deep).second, 3);
+}
+
+TEST(HostileGltf, GlbWithAWrongLength_OrCutAnywhere_IsRefused) {
+  const std::string bytes = read_bytes(meshes_folder() + "gltf/box01.glb");
+  ASSERT_EQ(outcome_of(bytes, "x.glb").second, 0);
+  for (const std::size_t at : {4U, 8U, 12U, 16U}) {  // Version, length, chunk length, chunk type.
+    std::string spoilt = bytes;
+    spoilt[at] = static_cast<char>(spoilt[at] ^ 0x55);
+    EXPECT_EQ(outcome_of(spoilt, "x.glb").second, 3) << at;
+  }
+  for (std::size_t n = 0; n < bytes.size(); n += n < 64 ? 1 : 97)
+    EXPECT_EQ(outcome_of(bytes.substr(0, n), "x.glb").second, 3) << n;
+}
+
+TEST(HostileGltf, FlippedBytesAnywhere_NeverEndOtherwiseThanInAnError) {
+  for (const char* name : {"gltf/BoxMeshopt.glb", "gltf/Box_Draco.glb", "gltf/RiggedSimple.glb"}) {
+    const std::string bytes = read_bytes(meshes_folder() + name);
+    for (std::size_t at = 12; at < bytes.size(); at += 1 + at % 7) {
+      std::string spoilt = bytes;
+      spoilt[at] = static_cast<char>(spoilt[at] ^ (1 << (at % 8)));
+      EXPECT_NO_THROW(outcome_of(spoilt, "x.glb")) << name << " byte " << at;
+    }
+  }
+}
+
+TEST(HostileGltf, BadRealFiles_AreRefused) {
+  for (const char* name : {"buffer_not_found.gltf", "integer-out-of-bounds.gltf",
+                           "invalid-primitive-indices.gltf", "invalid_magic.glb", "truncated_chunk_data.glb"})
+    EXPECT_THROW(read_gltf_file(meshes_folder() + "bad/" + name, {}), IoError) << name;
+}
+
+}  // namespace
+}  // namespace lambake
