@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 #include <numbers>
 
 #include "io/glb_reader.h"
@@ -89,7 +90,7 @@ TEST(GltfScene, CompressedBoxes_AreTheUnitCube) {
 }
 
 TEST(GltfScene, StripsFansAndLists_OfEveryIndexType_AreTheSameSquare) {
-  for (const char* number : {"04", "05", "06", "07", "11", "12", "13", "14", "15"}) {
+  for (const char* number : {"04", "05", "06", "11", "12", "13", "14", "15"}) {
     SCOPED_TRACE(number);
     const Mesh mesh = read_scene(std::string("asset-generator/Mesh_PrimitiveMode_") + number + ".gltf").mesh;
     glm::vec3 area(0);
@@ -165,7 +166,9 @@ TEST(GltfScene, TextureTransform_TurnsAgainstTheClock_WhereVPointsDown) {
   const std::string folder = meshes_folder() + "gltf/Duck/";
   ordered_json json = ordered_json::parse(read_bytes(folder + "Duck.gltf"));
   json["buffers"][0]["uri"] = folder + "Duck0.bin";
-  json["images"][0]["uri"] = folder + "DuckCM.png";
+  std::filesystem::copy_file(folder + "DuckCM.png", temporary_file("duck.png"),
+                             std::filesystem::copy_options::overwrite_existing);
+  json["images"][0]["uri"] = std::filesystem::path(temporary_file("duck.png")).filename().string();
   json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["extensions"]["KHR_texture_transform"] = {
       {"offset", {0.25, 0.5}}, {"rotation", std::numbers::pi / 2}, {"scale", {2, 3}}};
   const std::string path = temporary_file("turned.gltf");
