@@ -48,8 +48,8 @@ HWY_INLINE CornerValues spread_corners(const float* values, const PlaceBlock& bl
   for (std::size_t lane = 0; lane < hn::Lanes(f);) {
     const std::uint32_t t = block.triangles[i + lane];
     const auto mask = hn::RebindMask(f, hn::Eq(triangle, hn::Set(i32, static_cast<std::int32_t>(t))));
-    for (std::size_t c = 0; c < 3; ++c) {
-      const float* const value = values + 3 * static_cast<std::size_t>(block.corners[c][i + lane]);
+    for (int c = 0; c < 3; ++c) {
+      const float* const value = values + 3 * std::size_t{block.mesh_triangles[t][c]};
       V3& v = corners.v[c];
       v.x = hn::IfThenElse(mask, hn::Set(f, value[0]), v.x);
       v.y = hn::IfThenElse(mask, hn::Set(f, value[1]), v.y);
@@ -84,10 +84,14 @@ void load_group(const Mesh& mesh, const std::uint32_t* triangles, const glm::vec
   const Ints i32;
   const std::int32_t* const corners = reinterpret_cast<const std::int32_t*>(mesh.triangles.data());
   std::int32_t* const block_triangles = reinterpret_cast<std::int32_t*>(block.triangles.data());
-  std::size_t n_changes = 0;
-  for (std::size_t lane = 1; lane < PlaceBlock::group; ++lane)
+  std::uint32_t n_changes = 0, n_seen = triangles[0] != no_triangle;
+  for (std::size_t lane = 1; lane < PlaceBlock::group; ++lane) {
     n_changes += triangles[lane] != triangles[lane - 1];
-  block.has_few_triangles[group] = n_changes < PlaceBlock::group / 3;
+    n_seen += triangles[lane] != no_triangle;
+  }
+  const bool has_few_triangles = n_changes < PlaceBlock::group / 3;
+  block.has_few_triangles[group] = has_few_triangles;
+  block.is_covered[group] = n_seen == PlaceBlock::group;
   for (std::size_t lane = 0; lane < PlaceBlock::group; lane += hn::Lanes(f)) {
     const std::size_t i = group * PlaceBlock::group + lane;
     const auto seen = hn::LoadU(i32, reinterpret_cast<const std::int32_t*>(triangles) + lane);
@@ -97,6 +101,7 @@ void load_group(const Mesh& mesh, const std::uint32_t* triangles, const glm::vec
     hn::LoadInterleaved2(f, &barycentrics[lane].x, b1, b2);
     hn::Store(b1, f, block.weights1.data() + i);
     hn::Store(b2, f, block.weights2.data() + i);
+    if (has_few_triangles) continue;
     const auto first = hn::Mul(triangle, hn::Set(i32, 3));
     for (std::size_t c = 0; c < 3; ++c)
       hn::Store(hn::GatherIndex(i32, corners + c, first), i32, block.corners[c].data() + i);
@@ -105,6 +110,7 @@ void load_group(const Mesh& mesh, const std::uint32_t* triangles, const glm::vec
 
 void load_groups(const Mesh& mesh, const Visibility& visibility, PlaceBlock& block) {
   const std::size_t n_pixels = visibility.triangles.size();
+  block.mesh_triangles = mesh.triangles.data();
   for (std::size_t g = 0; g < block.n_groups; ++g) {
     const std::size_t pixel = block.first_pixels[g];
     const std::uint32_t* const triangles = visibility.triangles.data() + pixel;

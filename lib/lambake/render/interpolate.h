@@ -28,8 +28,9 @@ struct PlaceBlock {
   // for corner 0 of triangle 0.
   alignas(64) std::array<std::uint32_t, capacity> triangles;
   alignas(64) std::array<float, capacity> weights1, weights2;  ///< Barycentrics of the corners 1 and 2.
-  alignas(64) std::array<std::array<std::int32_t, capacity>, 3> corners;
-  std::array<bool, max_groups> has_few_triangles;  ///< Of each group.
+  alignas(64) std::array<std::array<std::int32_t, capacity>, 3> corners;  ///< Not where few triangles are.
+  std::array<bool, max_groups> has_few_triangles, is_covered;  ///< Of each group; the latter: every pixel.
+  const glm::uvec3* mesh_triangles = nullptr;
 
   std::size_t n_places() const { return n_groups * group; }
 };

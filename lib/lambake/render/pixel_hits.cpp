@@ -108,7 +108,7 @@ void hit_pixels(const Mesh& mesh, const ViewTransform& view, std::uint32_t x, st
   const Ints i32;
   const V zero = hn::Zero(d), one = hn::Set(d, 1.0);
   const auto nowhere = hn::Set(f, std::numeric_limits<float>::infinity());
-  const double upwards = (view.half_height - (y + 0.5)) / view.pixels_per_unit;
+  const double upwards = (view.half_height - (y + 0.5)) * view.units_per_pixel;
   const V3 eye = broadcast(view.eye), right = broadcast(view.right), forward = broadcast(view.forward);
   const V3 up = broadcast(upwards * view.up);
   const std::size_t lanes = hn::Lanes(d);
@@ -130,7 +130,7 @@ void hit_pixels(const Mesh& mesh, const ViewTransform& view, std::uint32_t x, st
     const V3 p0 = corners.point(0), p1 = corners.point(1), p2 = corners.point(2);
 
     const V pixel = hn::Add(hn::Iota(d, static_cast<double>(x + begin)), hn::Set(d, 0.5));
-    const V to_right = hn::Div(hn::Sub(pixel, hn::Set(d, view.half_width)), hn::Set(d, view.pixels_per_unit));
+    const V to_right = hn::Mul(hn::Sub(pixel, hn::Set(d, view.half_width)), hn::Set(d, view.units_per_pixel));
     const V3 across = add(scale(to_right, right), up);
     const V3 origin = view.is_perspective ? eye : add(eye, across);
     const V3 direction = view.is_perspective ? add(across, forward) : forward;

@@ -55,6 +55,15 @@ LinearRgb outgoing(const Scene& scene, const Mesh& mesh, const PlaceBlock& place
   return emission + reflected;
 }
 
+/// Whether no triangle is seen in n <= PlaceBlock::group pixels.
+bool is_empty(const std::uint32_t* triangles, std::size_t n) {
+  if (triangles[0] != no_triangle || triangles[n - 1] != no_triangle) return false;
+  static_assert(no_triangle == ~std::uint32_t{0});
+  std::uint32_t common = no_triangle;
+  for (std::size_t i = 0; i < n; ++i) common &= triangles[i];
+  return common == no_triangle;
+}
+
 /// Fills a picture whose covered pixels are brought through outgoing(); `find_vertex_parts(block)` sets
 /// block.vertex_parts.
 template <typename FindVertexParts>
@@ -78,13 +87,17 @@ void shade(const Scene& scene, const Mesh& mesh, const Visibility& visibility,
       if (needs_places) {
         for (std::size_t i = 0; i < places.n_places(); ++i)
           block.vertex_parts[i] = outgoing(scene, mesh, places, i, block.vertex_parts[i]);
-      } else {
+      } else if (first_material.base_color != LinearRgb{1, 1, 1}) {
         for (std::size_t i = 0; i < places.n_places(); ++i)
-          block.vertex_parts[i] = scene.materials[0].base_color * block.vertex_parts[i];
+          block.vertex_parts[i] = first_material.base_color * block.vertex_parts[i];
       }
       for (std::size_t g = 0; g < places.n_groups; ++g) {
         const std::size_t first = places.first_pixels[g], n = std::min(group, end - first);
         const LinearRgb* const colors = block.vertex_parts.data() + g * group;
+        if (places.is_covered[g]) {
+          std::copy_n(colors, n, out.pixels.data() + first);
+          continue;
+        }
         for (std::size_t lane = 0; lane < n; ++lane)
           out.pixels[first + lane] =
               visibility.triangles[first + lane] == no_triangle ? background : colors[lane];
@@ -93,10 +106,7 @@ void shade(const Scene& scene, const Mesh& mesh, const Visibility& visibility,
     };
     for (std::size_t pixel = begin; pixel < end; pixel += group) {
       const std::size_t n = std::min(group, end - pixel);
-      static_assert(no_triangle == ~std::uint32_t{0});
-      std::uint32_t common = no_triangle;
-      for (std::size_t lane = 0; lane < n; ++lane) common &= visibility.triangles[pixel + lane];
-      if (common == no_triangle) {
+      if (is_empty(visibility.triangles.data() + pixel, n)) {
         std::fill_n(out.pixels.data() + pixel, n, background);
         continue;
       }

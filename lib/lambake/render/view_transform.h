@@ -24,8 +24,8 @@ struct PixelRay {
 /// their place on the screen. The vector forms (screen.cpp, pixel_hits.cpp) do the same operations.
 struct ViewTransform {
   bool is_perspective;
-  double half_width, half_height;  ///< Of the picture, in pixels.
-  double pixels_per_unit;          ///< At depth 1 for perspective.
+  double half_width, half_height;           ///< Of the picture, in pixels.
+  double pixels_per_unit, units_per_pixel;  ///< At depth 1 for perspective.
   glm::dvec3 eye, right, up, forward;
   glm::dmat3 camera_from_world;  ///< Of directions.
 
@@ -34,8 +34,10 @@ struct ViewTransform {
         half_width(0.5 * width),
         half_height(0.5 * height) {
     const glm::dmat4 world_from_camera(camera.world_from_camera);
-    pixels_per_unit = half_height / (is_perspective ? std::tan(0.5 * double(camera.vertical_fov_rad))
-                                                    : double(camera.half_height));
+    const double half_view =
+        is_perspective ? std::tan(0.5 * double(camera.vertical_fov_rad)) : double(camera.half_height);
+    pixels_per_unit = half_height / half_view;
+    units_per_pixel = half_view / half_height;
     right = glm::dvec3(world_from_camera[0]);
     up = glm::dvec3(world_from_camera[1]);
     forward = -glm::dvec3(world_from_camera[2]);
@@ -51,8 +53,8 @@ struct ViewTransform {
   }
 
   PixelRay pixel_ray(std::uint32_t x, std::uint32_t y) const {
-    const double to_right = (x + 0.5 - half_width) / pixels_per_unit;
-    const double upwards = (half_height - (y + 0.5)) / pixels_per_unit;
+    const double to_right = (x + 0.5 - half_width) * units_per_pixel;
+    const double upwards = (half_height - (y + 0.5)) * units_per_pixel;
     const glm::dvec3 across = to_right * right + upwards * up;
     return is_perspective ? PixelRay{eye, across + forward} : PixelRay{eye + across, forward};
   }
