@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <memory>
 
 #include "lambake/core/error.h"
@@ -98,6 +99,7 @@ class VisibilityPass {
  private:
   Bins bin_triangles(std::size_t begin, std::size_t end) const;
   std::size_t draw_tile(std::size_t tile_index) const;
+  void clear_pixels(const Tile& tile) const;
   void draw_with_masks(const ScreenTriangles& screen, std::span<const std::uint32_t> entries,
                        Tile& tile) const;
   bool is_opaque_at(std::uint32_t triangle, std::uint32_t x, std::uint32_t y) const;
@@ -176,6 +178,13 @@ std::size_t VisibilityPass::draw_tile(std::size_t tile_index) const {
   tile.y = static_cast<std::int32_t>(tile_index / grid_.columns) * tile_side;
   tile.width = std::min(tile_side, static_cast<int>(grid_.width) - tile.x);
   tile.height = std::min(tile_side, static_cast<int>(grid_.height) - tile.y);
+  const bool is_empty = std::all_of(bins_.begin(), bins_.end(), [&](const Bins& bins) {
+    return bins.begin[tile_index] == bins.begin[tile_index + 1];
+  });
+  if (is_empty) {
+    clear_pixels(tile);
+    return 0;
+  }
   tile.clear();
 
   for (const Bins& bins : bins_) {
@@ -210,6 +219,18 @@ std::size_t VisibilityPass::draw_tile(std::size_t tile_index) const {
     n_covered += width - static_cast<std::size_t>(std::count(row, row + width, no_triangle));
   }
   return n_covered;
+}
+
+/// Sets the pixels of a tile that nothing touches.
+void VisibilityPass::clear_pixels(const Tile& tile) const {
+  const std::size_t width = static_cast<std::size_t>(tile.width);
+  for (int j = 0; j < tile.height; ++j) {
+    const std::size_t pixel =
+        static_cast<std::size_t>(tile.y + j) * out_.width + static_cast<std::size_t>(tile.x);
+    std::fill_n(out_.triangles.data() + pixel, width, no_triangle);
+    std::fill_n(out_.barycentrics.data() + pixel, width, glm::vec2(0));
+    std::fill_n(out_.depths.data() + pixel, width, std::numeric_limits<float>::infinity());
+  }
 }
 
 void VisibilityPass::draw_with_masks(const ScreenTriangles& screen, std::span<const std::uint32_t> entries,
