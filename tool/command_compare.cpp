@@ -196,18 +196,16 @@ int compare_and_write(const CompareCommand& command, const std::string& command_
   console.stage("surface error");
   comparison.surface_linear = surface_error(scene, baked, ErrorSpace::linear);
   comparison.surface_display = surface_error(scene, baked, ErrorSpace::display);
-  const auto bound_in = [&](ErrorSpace space) {
-    return surface_bound(scene, baked, {.space = space}).max_bound;
-  };
-  comparison.max_bound_linear = bound_in(ErrorSpace::linear);
-  comparison.max_bound_display = bound_in(ErrorSpace::display);
-  if (result.selection) comparison.verdict = result.selection->sentence;
-  baked.colors = computed;
   stopwatch.lap("surface");
   console.stage("certified bound");
   comparison.max_bound_linear = surface_bound(scene, baked, {.space = ErrorSpace::linear}).max_bound;
   comparison.max_bound_display = surface_bound(scene, baked, {.space = ErrorSpace::display}).max_bound;
   stopwatch.lap("bound");
+  if (result.selection) {
+    comparison.verdict = result.selection->sentence;
+    comparison.trials = result.selection->trials;
+  }
+  baked.colors = computed;
 
   console.stage("writing");
   OutputFolder folder(command.folder);

@@ -20,7 +20,7 @@ before(async () => {
   chart = join(folder, "chart");
   const model = join(root, "meshes", "torus_knot.ply");
   const lights = ["--sun", "0.4,1,0.3", "--lamp", "2,1,2,3,2,1"];
-  tool("compare", model, ...lights, "--size", "1920x1080", "-o", compare);
+  tool("compare", model, ...lights, "--method", "auto", "--size", "1920x1080", "-o", compare);
   tool("chart", model, ...lights, "--budget-seconds", "8", "-o", chart);
   browser = await chromium.launch({
     executablePath: "/usr/bin/chromium",

@@ -63,7 +63,7 @@ TEST(ReportPage, Headline_SaysWhatTheNumbersSay) {
   EXPECT_EQ(headline(c).find("certain"), std::string::npos) << headline(c);
 
   c.verdict = "A & B";
-  EXPECT_EQ(headline(c), "A &amp; B");
+  EXPECT_EQ(headline(c), "A &amp; B.");
 }
 
 TEST(ReportPage, EqualPictures_HaveNoZooms_AndSayEqual) {
@@ -74,6 +74,22 @@ TEST(ReportPage, EqualPictures_HaveNoZooms_AndSayEqual) {
   EXPECT_EQ(page.find("id=\"zoom-1\""), std::string::npos);
   EXPECT_NE(page.find("∞ (equal)"), std::string::npos);
   EXPECT_NE(report_page(small_comparison()).find("id=\"zoom-1\""), std::string::npos);
+}
+
+TEST(ReportPage, MethodsTried_AndStepsOfTheError_AreTold) {
+  Comparison c = small_comparison();
+  EXPECT_EQ(report_page(c).find("id=\"trials\""), std::string::npos);
+  EXPECT_EQ(report_page(c).find("id=\"steps\""), std::string::npos);
+  MethodTrial trial;
+  trial.method = BakeMethod::least_squares;
+  trial.n_vertices = 98765, trial.is_certified = true;
+  c.trials = {trial};
+  c.shares = {0.5, 0, 0.125};
+  const std::string page = report_page(c);
+  EXPECT_NE(page.find("least-squares"), std::string::npos);
+  EXPECT_NE(page.find("98\u202F765"), std::string::npos);
+  EXPECT_NE(page.find("within the tolerance"), std::string::npos);
+  EXPECT_NE(page.find("width:25.00%"), std::string::npos);
 }
 
 TEST(ReportPage, SameComparison_SameBytes) {

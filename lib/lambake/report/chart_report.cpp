@@ -23,13 +23,19 @@ ChartPoint point_of(const Timing& time, double y, std::string label) {
   return {time.median, y, time.low, time.high, std::move(label)};
 }
 
+/// Whether this is what `auto` took.
+bool is_chosen(const ChartRun& run, const MethodRun& m) {
+  return m.method == run.chosen_method && (m.variant.empty() || m.variant == "1/255");
+}
+
 /// One series per method, in the order of the run, of the runs that have a y.
 std::vector<ChartSeries> series_by_method(
     const ChartRun& run, const std::function<std::optional<ChartPoint>(const MethodRun&)>& point) {
   std::vector<ChartSeries> all;
   for (const MethodRun& m : run.methods) {
-    const std::optional<ChartPoint> p = point(m);
+    std::optional<ChartPoint> p = point(m);
     if (!p) continue;
+    p->is_emphasised = is_chosen(run, m);
     if (all.empty() || all.back().name != m.method) all.push_back({m.method, {}});
     all.back().points.push_back(*p);
   }
@@ -177,6 +183,7 @@ std::string chart_json(const ChartRun& run) {
   Json json = {{"input", run.input},         {"command", run.command},       {"version", run.version},
                {"vertices", run.n_vertices}, {"triangles", run.n_triangles}, {"lights", run.n_lights},
                {"threads", run.n_threads}};
+  if (!run.verdict.empty()) json["auto"] = {{"verdict", run.verdict}, {"method", run.chosen_method}};
   json["methods"] = Json::array();
   for (const MethodRun& m : run.methods)
     json["methods"].push_back(
@@ -288,8 +295,9 @@ Chart vertices_chart(const ChartRun& run) {
               {},
               true};
   chart.series = series_by_method(run, [](const MethodRun& m) -> std::optional<ChartPoint> {
-    // Other normals change the error, not the number of vertices.
-    if (!std::isfinite(m.max_bound) || m.variant.starts_with("normals")) return std::nullopt;
+    // Normals and storage change the error, not the number of vertices.
+    if (!std::isfinite(m.max_bound) || m.variant.starts_with("normals") || m.variant.starts_with("stored"))
+      return std::nullopt;
     return ChartPoint{static_cast<double>(m.n_vertices), m.max_bound * 255, 0, 0, m.label()};
   });
   // Where the light is smooth the error falls with h² ~ 1/V, at a kink with h ~ 1/√V.

@@ -14,6 +14,7 @@
 #include "lambake/core/parallel.h"
 #include "lambake/geometry/normals.h"
 #include "lambake/measure/bound.h"
+#include "lambake/measure/select.h"
 #include "lambake/measure/surface_error.h"
 #include "lambake/render/shade.h"
 #include "lambake/render/visibility.h"
@@ -33,6 +34,15 @@ BakedColors bake_with_normals(const Scene& scene, NormalWeight weight) {
   return bake(other, {.method = BakeMethod::sample});
 }
 
+/// `sample`, its linear colours clamped to [0,1] and rounded to 1/steps, as COLOR_0 of a glTF file keeps
+/// them.
+BakedColors bake_stored(const Scene& scene, float steps) {
+  BakedColors baked = bake(scene, {.method = BakeMethod::sample});
+  const auto stored = [steps](float x) { return std::round(std::clamp(x, 0.0f, 1.0f) * steps) / steps; };
+  for (LinearRgb& c : baked.colors) c = {stored(c.r), stored(c.g), stored(c.b)};
+  return baked;
+}
+
 /// @param max_seconds  for methods that cut until they are done.
 std::vector<Variant> variants(double max_seconds) {
   const auto with = [](const BakeOptions& options) {
@@ -46,6 +56,14 @@ std::vector<Variant> variants(double max_seconds) {
                                      {NormalWeight::max, "max"}})
     all.push_back({"sample", fmt::format("normals {}", name),
                    [weight = weight](const Scene& scene) { return bake_with_normals(scene, weight); }});
+  for (const auto& [steps, name] : {std::pair{255.0f, "stored as u8"}, {65535.0f, "stored as u16"}})
+    all.push_back(
+        {"sample", name, [steps = steps](const Scene& scene) { return bake_stored(scene, steps); }});
+  all.push_back({"average", "", with({.method = BakeMethod::average})});
+  all.push_back({"least-squares", "", with({.method = BakeMethod::least_squares})});
+  for (const int levels : {1, 2})
+    all.push_back({"uniform", fmt::format("level {}", levels),
+                   with({.method = BakeMethod::uniform, .levels = levels})});
   for (const int steps : {4, 2, 1})
     all.push_back(
         {"adaptive", fmt::format("{}/255", steps),
@@ -194,6 +212,13 @@ ChartRun run_chart(const Scene& scene, const ChartRunOptions& options) {
     const std::string name = variant.method + (variant.name.empty() ? "" : ", " + variant.name);
     if (budget.allows(name, methods_until, run.left_out))
       run.methods.push_back(measure_method(scene, variant, slice));
+  }
+
+  if (options.methods.empty() && budget.allows("auto", methods_until, run.left_out)) {
+    const Selection selection =
+        select_method(scene, {.tolerance = 1.0 / 255, .max_seconds = options.budget_seconds / 8});
+    run.verdict = selection.sentence;
+    run.chosen_method = name_of(selection.trials[selection.chosen].method);
   }
 
   const BakedColors baked = bake(scene, {.method = BakeMethod::sample});

@@ -45,6 +45,8 @@ struct ChartRun {
   std::string input, command, version;
   std::size_t n_vertices = 0, n_triangles = 0, n_lights = 0, n_threads = 0;
   std::vector<MethodRun> methods;
+  std::string verdict;        ///< Of `auto` at 1/255; empty where it was not run.
+  std::string chosen_method;  ///< The method that `auto` took.
   std::vector<FrameRun> frames;
   std::vector<LightsRun> lights;
   std::vector<std::string> left_out;  ///< What the budget did not allow.

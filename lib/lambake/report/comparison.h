@@ -10,6 +10,7 @@
 #include "lambake/measure/error_shares.h"
 #include "lambake/measure/image_error.h"
 #include "lambake/measure/light_share.h"
+#include "lambake/measure/select.h"
 #include "lambake/measure/surface_error.h"
 #include "lambake/scene/picture.h"
 
@@ -33,6 +34,7 @@ struct Comparison {
   /// where it was not asked for.
   std::optional<double> max_bound_linear, max_bound_display;
   ErrorShares shares;                ///< What interpolation, clipping and quantisation make of it.
+  std::vector<MethodTrial> trials;   ///< What the methods would cost and leave; none where one was asked for.
   std::string verdict;               ///< One sentence; empty: the page makes one from the numbers.
   Picture per_vertex, per_fragment;  ///< Of the first view.
   Visibility visibility;             ///< Of the first view, of the scene's mesh.

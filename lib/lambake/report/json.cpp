@@ -58,6 +58,19 @@ std::string report_json(const Comparison& c) {
   json["method"] = c.method;
   json["normals"] = c.normals;
   if (!c.verdict.empty()) json["verdict"] = c.verdict;
+  if (!c.trials.empty()) {
+    json["trials"] = Json::array();
+    for (const MethodTrial& t : c.trials)
+      json["trials"].push_back({{"method", name_of(t.method)},
+                                {"vertices", t.n_vertices},
+                                {"triangles", t.n_triangles},
+                                {"bytes", t.bytes},
+                                {"seconds", t.seconds},
+                                {"rmse", finite_or_null(t.rmse)},
+                                {"max_sampled", finite_or_null(t.max_found)},
+                                {"max_bound", finite_or_null(t.max_bound)},
+                                {"certified", t.is_certified}});
+  }
   json["vertices"] = c.n_vertices;
   json["triangles"] = c.n_triangles;
   json["scene_vertices"] = c.n_scene_vertices;

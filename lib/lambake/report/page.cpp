@@ -1,9 +1,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <iterator>
 #include <numeric>
+#include <tuple>
 
 #include "lambake/io/image_file.h"
 #include "lambake/report/charts.h"
@@ -21,7 +23,11 @@ std::string data_uri(const Picture& picture) {
 
 /// The sentence that the page opens with, from the numbers on screen.
 std::string verdict(const Comparison& c) {
-  if (!c.verdict.empty()) return c.verdict;
+  if (!c.verdict.empty()) {
+    std::string sentence = c.verdict + ".";
+    sentence[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(sentence[0])));
+    return sentence;
+  }
   constexpr double visible = 1.0 / 255;
   const ImageError& image = c.image_display;
   const double over = image.pixels == 0
@@ -278,6 +284,54 @@ std::string numbers_section(const Comparison& c) {
                     c.max_bound_linear, short_number));
 }
 
+/// What each step from the light to the file adds.
+std::string shares_section(const Comparison& c) {
+  const double largest = std::max({c.shares.interpolation, c.shares.clipping, c.shares.quantisation});
+  if (!(largest > 0)) return {};
+  std::string html =
+      "<section aria-labelledby=\"steps\">\n<h2 id=\"steps\">What makes the difference</h2>\n<table "
+      "class=\"table "
+      "lights\">\n<thead><tr><th scope=\"col\">Step</th><th scope=\"col\">its own RMSE, "
+      "linear</th></tr></thead>\n<tbody>\n";
+  for (const auto& [name, meaning, value] :
+       {std::tuple{"Interpolation", "light known at the vertices only", c.shares.interpolation},
+        {"Clipping", "colours above 1 cut off by the file", c.shares.clipping},
+        {"Quantisation", "colours rounded to the steps of the file", c.shares.quantisation}})
+    html += fmt::format(
+        "<tr><th scope=\"row\">{}<small>{}</small></th><td><span class=\"share\"><i "
+        "style=\"width:{:.2f}%\"></i></span>{}</td>"
+        "</tr>\n",
+        name, meaning, 100 * value / largest, short_number(value));
+  return html + "</tbody>\n</table>\n</section>\n";
+}
+
+/// What the methods would cost and leave, where one was chosen by itself.
+std::string trials_section(const Comparison& c) {
+  if (c.trials.empty()) return {};
+  std::string html =
+      "<section aria-labelledby=\"trials\">\n<h2 id=\"trials\">The methods that were tried</h2>\n<table "
+      "class=\"table "
+      "stacked\">\n<thead><tr><th scope=\"col\">Method</th><th scope=\"col\" class=\"n\">Vertices</th><th "
+      "scope=\"col\" "
+      "class=\"n\">Bytes</th><th scope=\"col\" class=\"n\">Time</th><th scope=\"col\" "
+      "class=\"n\">RMSE</th><th scope=\"col\" "
+      "class=\"n\">Largest found</th><th scope=\"col\" class=\"n\">Certified</th></tr></thead>\n<tbody>\n";
+  for (const MethodTrial& t : c.trials) {
+    const auto cell = [&](const char* label, const std::string& value) {
+      html += fmt::format("<td class=\"n\" data-label=\"{}\">{}</td>", label, value);
+    };
+    html += fmt::format("<tr><th scope=\"row\" data-label=\"Method\">{}</th>", name_of(t.method));
+    cell("Vertices", grouped(t.n_vertices));
+    cell("Bytes", grouped(t.bytes));
+    cell("Time", duration(t.seconds));
+    cell("RMSE", steps_of_255(t.rmse));
+    cell("Largest found", steps_of_255(t.max_found));
+    cell("Certified", steps_of_255(t.max_bound) + (t.is_certified ? "; within the tolerance" : ""));
+    html += "</tr>\n";
+  }
+  return html + "</tbody>\n</table>\n</section>\n";
+}
+
 std::string worst_section(const Comparison& c) {
   const std::vector<SurfacePlace>& worst = c.surface_display.worst;
   if (worst.empty()) return {};
@@ -367,8 +421,8 @@ std::string report_page(const Comparison& c) {
   const Differences differences = find_differences(c);
   return page_frame(c.input + " · lambake compare", header(c),
                     slider_section(c, differences.shown) + difference_section(c, differences) +
-                        zooms_section(c, differences) + numbers_section(c) + lights_section(c) +
-                        worst_section(c) + findings_section(c) +
+                        zooms_section(c, differences) + trials_section(c) + numbers_section(c) +
+                        shares_section(c) + lights_section(c) + worst_section(c) + findings_section(c) +
                         made_section(c.command, c.version, times(c)));
 }
 
