@@ -68,6 +68,25 @@ TEST_F(HostileFiles, Samples_AreSound) {
   }
 }
 
+TEST_F(HostileFiles, OmThatOpenMeshWrote_KeepsNormalsFaceColorsAndTexcoordsOfCorners) {
+  const auto file = read("a.om", sample_om());
+  ASSERT_TRUE(file) << message;
+  const Mesh& mesh = file->scene.mesh;
+  EXPECT_EQ(file->n_vertices, 5u);
+  EXPECT_EQ(file->n_faces, 3u);
+  ASSERT_EQ(mesh.n_triangles(), 4u);
+  EXPECT_EQ(mesh.n_vertices(), 10u);  // Ten corners, each with a texture coordinate of its own.
+  for (const glm::vec3& n : mesh.normals) EXPECT_EQ(n, glm::vec3(0, 0, 1));
+  for (const glm::vec2& t : mesh.texcoords[0]) EXPECT_EQ(t.y, 0.5f);
+  const LinearRgb expected[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  for (std::size_t t = 0; t < 4; ++t)
+    for (int c = 0; c < 3; ++c)
+      EXPECT_EQ(mesh.colors[mesh.triangles[t][c]], expected[mesh.source_face_of(t)]);
+  EXPECT_EQ(mesh.source_vertex_of(mesh.triangles[0].x) + mesh.source_vertex_of(mesh.triangles[0].y) +
+                mesh.source_vertex_of(mesh.triangles[0].z),
+            0u + 1 + 4);
+}
+
 TEST_F(HostileFiles, EveryTruncatedPrefix_IsRefused) {
   for (const SampleFile& sample : sample_mesh_files()) {
     SCOPED_TRACE(sample.name);

@@ -104,14 +104,14 @@ TEST(TriangulatePolygon, PolygonThatCrossesItself_SaysSoAndHasAllItsTriangles) {
   EXPECT_EQ(triangles.size(), 4u);
 }
 
-TEST(TriangulatePolygon, CombOfAHundredThousandCorners_IsDoneInBoundedTime) {
+TEST(TriangulatePolygon, CombOfManyCorners_IsDoneInBoundedTime) {
   // Every corner between the teeth is inside of none of the ears, but has to be looked at.
   std::vector<glm::vec3> comb;
-  for (int i = 0; i < 50'000; ++i) {
+  for (int i = 0; i < 10'000; ++i) {
     comb.emplace_back(2 * i, 0, 0);
-    comb.emplace_back(2 * i + 1, i % 2 == 0 ? 1e5f : 1, 0);
+    comb.emplace_back(2 * i + 1, i % 2 == 0 ? 2e4f : 1, 0);
   }
-  comb.emplace_back(1e5f, -1e5f, 0);
+  comb.emplace_back(2e4f, -2e4f, 0);
   std::vector<glm::uvec3> triangles;
   triangulate_polygon(comb, iota(comb.size()), triangles);
   EXPECT_EQ(triangles.size(), comb.size() - 2);
