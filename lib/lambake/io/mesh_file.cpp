@@ -131,7 +131,7 @@ void add_defects(const Mesh& mesh, Findings& findings) {
 SceneFile read_mesh_file(const std::string& path) {
   CanonicalFile file = scan(path, read_bytes(path));
   OpenMeshArrays arrays = read_with_openmesh(path, file);
-  file.bytes = std::string();  // Not {}, which keeps the memory.
+  std::string().swap(file.bytes);  // An assignment would keep the memory.
 
   SceneFile result;
   result.format = file.format;

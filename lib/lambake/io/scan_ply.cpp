@@ -401,7 +401,7 @@ class PlyScan {
     }
     if (!file_.materials.empty()) file_.materials.emplace_back();  // For faces without one.
 
-    text_ = std::string();  // All of it has been read, and the two are as large as each other.
+    std::string().swap(text_);  // All of it has been read; only this gives the memory back.
     std::string& out = file_.bytes;
     out = fmt::format(
         "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty float x\nproperty float y\n"
