@@ -212,6 +212,46 @@ TEST(GltfAsset, CutMesh_InterpolatesEveryAttributeInTheFilesOwnSpace) {
   }
 }
 
+/// Σ area × mean vertex colour over the triangles whose material emits nothing.
+glm::dvec3 integral(const Mesh& mesh, const std::vector<Material>& materials,
+                    const std::vector<LinearRgb>& colors) {
+  glm::dvec3 sum(0);
+  for (std::size_t f = 0; f < mesh.n_triangles(); ++f) {
+    const glm::uvec3& t = mesh.triangles[f];
+    if (!(materials[mesh.material_of(f)].emission == LinearRgb{0, 0, 0})) continue;
+    const glm::dvec3 a(mesh.positions[t[0]]), b(mesh.positions[t[1]]), c(mesh.positions[t[2]]);
+    const double area = 0.5 * glm::length(glm::cross(b - a, c - a));
+    for (int k = 0; k < 3; ++k) {
+      const LinearRgb& color = colors[t[k]];
+      sum += area / 3 * glm::dvec3(std::min(color.r, 1.0f), std::min(color.g, 1.0f), std::min(color.b, 1.0f));
+    }
+  }
+  return sum;
+}
+
+TEST(GltfAsset, MethodsThatCut_ReadAgain_ShowTheSameSurfaceAndColours) {
+  for (const std::string& path :
+       {std::string(LAMBAKE_SOURCE_DIR "/meshes/gallery.glb"),
+        meshes_folder() + "gltf/PalmTree/PalmTree.gltf", meshes_folder() + "gltf/SimpleSparseAccessor.gltf"})
+    for (const BakeMethod method : {BakeMethod::uniform, BakeMethod::adaptive}) {
+      SCOPED_TRACE(path);
+      const auto result = bake_file(path, {.method = method, .tolerance = 8.0 / 255}, {});
+      const Scene again = read_gltf_file(result->path, {}).scene;
+      const Mesh& mesh = mesh_of(result->in.scene, result->baked);
+      // Unlit primitives stay as they are, uncut.
+      const std::vector<Material>& materials = result->in.scene.materials;
+      const auto count_lit = [&](const Mesh& of) {
+        std::size_t n = 0;
+        for (const std::uint32_t material : of.materials) n += materials[material].is_unlit ? 0 : 1;
+        return n;
+      };
+      EXPECT_EQ(count_lit(again.mesh), count_lit(mesh));
+      const glm::dvec3 want = integral(mesh, materials, result->baked.colors);
+      const glm::dvec3 got = integral(again.mesh, again.materials, again.mesh.colors);
+      EXPECT_LT(glm::length(want - got), 1e-4 * glm::length(want));
+    }
+}
+
 TEST(GltfAsset, FaceColours_OfCopiesWithTheSameCuts_ShareTheirNewAttributes) {
   const auto result = bake_file(meshes_folder() + "gltf/SpheresScaledInstances/spheres_scaled_instances.gltf",
                                 {.method = BakeMethod::face}, {});
