@@ -180,6 +180,20 @@ TEST(Visibility, OverlappingTriangles_TheNearerIsSeen_TiesGoToTheLowerIndex) {
   for (const float d : seen.depths) EXPECT_FLOAT_EQ(d, 9.0f);
 }
 
+TEST(Visibility, RepeatedFacesInAnyOrderOfCorners_TheFirstIsSeen) {
+  for (const std::uint32_t rings : {6u, 150u}) {  // large triangles, and ones of a few pixels
+    Scene scene = scene_of({}, {});
+    scene.mesh = testing::sphere_mesh(rings);
+    const Camera camera = frame(bounds_of(scene.mesh.positions), 1);
+    const Visibility alone = find_visibility(scene, scene.mesh, camera, 100, 100);
+    const std::vector<glm::uvec3> once = scene.mesh.triangles;
+    for (const glm::uvec3& t : once) scene.mesh.triangles.emplace_back(t[1], t[2], t[0]);
+    for (const glm::uvec3& t : once) scene.mesh.triangles.emplace_back(t[2], t[0], t[1]);
+    for (const glm::uvec3& t : once) scene.mesh.triangles.emplace_back(t[0], t[2], t[1]);
+    EXPECT_EQ(find_visibility(scene, scene.mesh, camera, 100, 100).triangles, alone.triangles);
+  }
+}
+
 TEST(Visibility, SingleSidedMaterial_IsNotSeenFromBehind) {
   Scene scene = scene_of({{-9, -9, 0}, {30, -9, 0}, {-9, 30, 0}}, {{0, 1, 2}});
   scene.materials[0].is_double_sided = false;

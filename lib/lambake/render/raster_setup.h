@@ -135,8 +135,12 @@ HWY_INLINE RasterSetup raster_setup(const ScreenTriangles& screen, std::uint32_t
     const auto& v = screen.pieces[entry & ~ScreenTriangles::is_piece].v;
     return raster_setup(v[0], v[1], v[2], tile);
   }
+  // From the lowest vertex on: repeated faces get the same nearness to the bit, whatever their order, so that
+  // ties are ties.
   const glm::uvec3& t = screen.triangles[entry];
-  return raster_setup(screen.vertices[t[0]], screen.vertices[t[1]], screen.vertices[t[2]], tile);
+  const int first = t[0] < t[1] ? (t[0] < t[2] ? 0 : 2) : (t[1] < t[2] ? 1 : 2);
+  const int second = first == 2 ? 0 : first + 1, third = first == 0 ? 2 : first - 1;
+  return raster_setup(screen.vertices[t[first]], screen.vertices[t[second]], screen.vertices[t[third]], tile);
 }
 
 /// Where the box begins in the tile's arrays.
