@@ -12,6 +12,7 @@
 #include "lambake/core/error.h"
 #include "lambake/core/parallel.h"
 #include "lambake/geometry/creases.h"
+#include "lambake/geometry/robust_normals.h"
 #include "lambake/io/light_file.h"
 #include "lambake/render/framing.h"
 
@@ -134,7 +135,7 @@ void make_normals(const SceneOptions& options, LoadedScene& loaded) {
                               : method == "area"    ? NormalWeight::area
                               : method == "uniform" ? NormalWeight::uniform
                                                     : NormalWeight::max;
-  VertexNormals made = vertex_normals(mesh, weight);
+  VertexNormals made = method == "robust" ? robust_normals(mesh) : vertex_normals(mesh, weight);
   mesh.normals = std::move(made.normals);
   add_finding(findings, "vertices_without_direction", made.undefined,
               "vertices have no normal (their faces have no area or cancel); they get no light");
@@ -179,8 +180,8 @@ void add_scene_options(CLI::App& command, SceneOptions& options) {
   command.add_option("--albedo", options.albedo, "multiplies the base colour: R,G,B in [0,1], linear");
   command
       .add_option("--normals", options.normals,
-                  "auto (the file's, else angle), file, angle, area, uniform or max")
-      ->check(CLI::IsMember({"auto", "file", "angle", "area", "uniform", "max"}));
+                  "auto (the file's, else angle), file, angle, area, uniform, max or robust")
+      ->check(CLI::IsMember({"auto", "file", "angle", "area", "uniform", "max", "robust"}));
   command.add_option("--crease-angle-deg", options.crease_angle_deg,
                      "split vertices where faces meet at more than this");
   command.add_option("--exposure", options.exposure_stops, "scale lights and emission by 2^STOPS");

@@ -75,10 +75,10 @@ double area_of(const Patch& patch) {
   return std::isfinite(area) ? area : 0;
 }
 
-/// ∫ b_i D⊗E dA / A over a triangle, column i for corner i: along the terminators cut apart, the parts
-/// quartered.
+/// ∫ b_i D⊗E dA / A over a triangle, column i for corner i: cut apart along the terminators, or quartered
+/// where none crosses it.
 glm::dmat3 moments(const Patch& patch, const std::vector<Light>& all) {
-  constexpr std::size_t most_parts = 32;
+  constexpr std::size_t most_parts = 16;
   std::vector<std::uint32_t> lights;
   std::vector<glm::dmat3> parts{glm::dmat3(1.0)}, next;
   for (std::uint32_t i = 0; i < all.size(); ++i)
@@ -91,15 +91,18 @@ glm::dmat3 moments(const Patch& patch, const std::vector<Light>& all) {
   }
   glm::dmat3 sum(0.0);
   if (lights.empty()) return sum;
-  for (const glm::dmat3& part : parts)
-    for (const glm::dmat3& quarter : quarters(part)) {
-      const double share = std::abs(glm::determinant(quarter));
-      for (const QuadratureNode& node : quadrature_5) {
-        const glm::dvec3 b = quarter * node.b;
-        const glm::dvec3 light = reference_at(patch, all, lights, false, b);
-        for (int i = 0; i < 3; ++i) sum[i] += node.weight * share * b[i] * light;
-      }
+  if (parts.size() == 1) {
+    const std::array<glm::dmat3, 4> four = quarters(parts[0]);
+    parts.assign(four.begin(), four.end());
+  }
+  for (const glm::dmat3& part : parts) {
+    const double share = std::abs(glm::determinant(part));
+    for (const QuadratureNode& node : quadrature_5) {
+      const glm::dvec3 b = part * node.b;
+      const glm::dvec3 light = reference_at(patch, all, lights, false, b);
+      for (int i = 0; i < 3; ++i) sum[i] += node.weight * share * b[i] * light;
     }
+  }
   return sum;
 }
 
