@@ -89,7 +89,7 @@ TEST(RunChart, BudgetThatIsOver_LeavesOut_AndSaysWhat) {
   const Scene scene = leaning_square();
   const ChartRun run = run_chart(scene, {.budget_seconds = 1e-9});
   EXPECT_TRUE(run.methods.empty());
-  EXPECT_EQ(run.left_out.front(), "face");
+  EXPECT_EQ(run.left_out.front(), "sample");
 }
 
 TEST(RunChart, UnknownMethodOrNoBudget_Throws) {

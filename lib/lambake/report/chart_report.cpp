@@ -36,8 +36,10 @@ std::vector<ChartSeries> series_by_method(
     std::optional<ChartPoint> p = point(m);
     if (!p) continue;
     p->is_emphasised = is_chosen(run, m);
-    if (all.empty() || all.back().name != m.method) all.push_back({m.method, {}});
-    all.back().points.push_back(*p);
+    auto series =
+        std::find_if(all.begin(), all.end(), [&](const ChartSeries& s) { return s.name == m.method; });
+    if (series == all.end()) series = all.insert(all.end(), ChartSeries{m.method, {}});
+    series->points.push_back(*p);
   }
   return all;
 }
