@@ -41,9 +41,9 @@ int chart_and_write(const ChartCommand& command, const std::string& command_line
   run.command = command_line;
   run.version = version();
   console.clear_bar();
-  for (const std::string& name : run.left_out)
-    console.note(fmt::format("{}: left out, the {} seconds of --budget-seconds are over", name,
-                             command.budget_seconds));
+  if (!run.left_out.empty())
+    console.note(fmt::format("left out, as {} seconds were not enough (--budget-seconds): {}",
+                             command.budget_seconds, fmt::join(run.left_out, "; ")));
 
   OutputFolder folder(command.folder);
   constexpr double width = 1080, height = 640;

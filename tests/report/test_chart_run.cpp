@@ -145,5 +145,17 @@ TEST(ChartReport, Page_SaysWhenABakeHasPaid) {
   EXPECT_NE(chart_page(slow).find("after 5"), std::string::npos);
 }
 
+TEST(ChartReport, WhatAutoTook_IsNamedAndRinged) {
+  ChartRun run = small_run();
+  EXPECT_EQ(chart_svg(speed_chart(run), 800, 500, true).find("<circle class=\"ring\""), std::string::npos);
+  run.verdict = "sample suffices: at most 0.9/255 anywhere", run.chosen_method = "sample";
+  EXPECT_NE(chart_page(run).find("<h1>Within 1/255: sample suffices: at most 0.9/255 anywhere.</h1>"),
+            std::string::npos);
+  std::size_t n_rings = 0;
+  for (const ChartSeries& series : speed_chart(run).series)
+    for (const ChartPoint& p : series.points) n_rings += p.is_emphasised;
+  EXPECT_EQ(n_rings, 1U);
+}
+
 }  // namespace
 }  // namespace lambake

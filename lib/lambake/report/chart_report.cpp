@@ -98,7 +98,8 @@ const MethodRun* find_sample(const ChartRun& run) {
   return it == run.methods.end() ? nullptr : &*it;
 }
 
-std::string headline(const ChartRun& run) {
+/// When a bake has paid for itself.
+std::string payback(const ChartRun& run) {
   const MethodRun* sample = find_sample(run);
   if (sample == nullptr || run.frames.empty())
     return fmt::format("Time against error of {} ways to light {}.", run.methods.size(), run.input);
@@ -116,11 +117,18 @@ std::string headline(const ChartRun& run) {
 }
 
 std::string header(const ChartRun& run) {
+  const std::string sentence =
+      run.verdict.empty() ? payback(run) : fmt::format("Within 1/255: {}.", run.verdict);
+  const std::string more = run.verdict.empty() ? std::string()
+                                               : fmt::format(
+                                                     "<p>{} What the first sentence names is ringed in "
+                                                     "the charts.</p>\n",
+                                                     escape_html(payback(run)));
   return fmt::format(
-      "<p class=\"eyebrow\">{} · speed against accuracy</p>\n<h1>{}</h1>\n<ul "
+      "<p class=\"eyebrow\">{} · speed against accuracy</p>\n<h1>{}</h1>\n{}<ul "
       "class=\"facts\">\n<li>{}</li>\n<li>{}</li>\n"
       "<li>{}</li>\n<li>{}</li>\n</ul>\n",
-      escape_html(run.input), escape_html(headline(run)), count_of(run.n_vertices, "vertex", "vertices"),
+      escape_html(run.input), escape_html(sentence), more, count_of(run.n_vertices, "vertex", "vertices"),
       count_of(run.n_triangles, "triangle", "triangles"), count_of(run.n_lights, "light", "lights"),
       count_of(run.n_threads, "thread", "threads"));
 }
