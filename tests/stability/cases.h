@@ -17,7 +17,9 @@
 namespace lambake {
 
 inline constexpr double pi = 3.14159265358979323846;
-inline constexpr std::array every_method = {BakeMethod::face, BakeMethod::sample, BakeMethod::adaptive};
+inline constexpr std::array every_method = {BakeMethod::face,    BakeMethod::sample,
+                                            BakeMethod::average, BakeMethod::least_squares,
+                                            BakeMethod::uniform, BakeMethod::adaptive};
 
 inline Light sun(const glm::vec3& towards, float intensity = 1) {
   return {.intensity = LinearRgb{1, 1, 1} * intensity, .direction_to_light = glm::normalize(towards)};
