@@ -144,7 +144,9 @@ class AssetWriter {
           place->second = append_to(json, "materials", GltfJson::object());
         else if (used_elsewhere.contains(index))
           place->second = append_to(json, "materials", GltfJson(json["materials"][index]));
-        json["materials"][place->second]["extensions"]["KHR_materials_unlit"] = GltfJson::object();
+        GltfJson& extensions = json["materials"][place->second]["extensions"];
+        if (!extensions.empty()) ++n_with_other_extensions_;
+        extensions["KHR_materials_unlit"] = GltfJson::object();
       }
       json["meshes"][m]["primitives"][p]["material"] = place->second;
     }
@@ -178,6 +180,9 @@ class AssetWriter {
                 "primitives have other vertices than in the file, as their corners or cuts need them; their "
                 "attributes are written anew");
     add_finding(
+        findings, "materials_with_other_extensions", n_with_other_extensions_,
+        "materials have extensions of their own beside KHR_materials_unlit, which a viewer may prefer");
+    add_finding(
         findings, "emission_not_written", emission_lost_,
         "vertices emit light that cannot be put into vertex colours (a texture, or a base colour of 0); an "
         "unlit material does not show it");
@@ -191,7 +196,8 @@ class AssetWriter {
   WrittenColors written_;
   std::vector<std::size_t> mesh_of_node_;
   std::set<std::pair<std::size_t, std::size_t>> lit_;  ///< (mesh, primitive) of the written document.
-  std::size_t negative_ = 0, n_multiplied_ = 0, n_rewritten_ = 0, emission_lost_ = 0;
+  std::size_t negative_ = 0, n_multiplied_ = 0, n_rewritten_ = 0, emission_lost_ = 0,
+              n_with_other_extensions_ = 0;
 };
 
 }  // namespace
