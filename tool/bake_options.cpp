@@ -76,6 +76,11 @@ void add_bake_options(CLI::App& command, BakeMethodOptions& options) {
   command.add_option("--levels", options.levels, "uniform: how often each triangle is quartered")
       ->check(CLI::Range(0, 15))
       ->capture_default_str();
+  command
+      .add_option("--light-tolerance", options.light_tolerance,
+                  "how far merging many lamps may move a stored colour in [0,1], certified; 0 sums every lamp")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
 }
 
 BakeOptions bake_options(const BakeMethodOptions& options, Console& console) {
@@ -87,6 +92,7 @@ BakeOptions bake_options(const BakeMethodOptions& options, Console& console) {
   result.max_seconds = options.max_seconds;
   result.gradient_weight = options.gradient_weight;
   result.levels = options.levels;
+  result.light_tolerance = options.light_tolerance;
   result.progress = console.progress();
   return result;
 }

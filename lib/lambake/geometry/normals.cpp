@@ -1,7 +1,9 @@
 #include "lambake/geometry/normals.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <numbers>
 
 #include "lambake/core/bounds.h"
 #include "lambake/core/parallel.h"
@@ -22,61 +24,58 @@ glm::dvec3 area_vector(const Mesh& mesh, const glm::uvec3& t) {
   const glm::dvec3 e1 = p1 - p0, e2 = p2 - p0, e3 = p2 - p1;
   const glm::dvec3 cross = glm::cross(e1, e2);
   const double longest = std::max({glm::dot(e1, e1), glm::dot(e2, e2), glm::dot(e3, e3)});
-  return glm::length(cross) > 1e-12 * longest ? cross : glm::dvec3(0);
+  return glm::dot(cross, cross) > 1e-24 * (longest * longest) ? cross : glm::dvec3(0);
 }
 
-/// The weighted normal that one corner of a triangle adds, and the weight.
-struct Share {
+/// atan2(y, x) for y > 0, to 2e-9 and a fraction of its time: Chebyshev interpolation of atan(z)/z over z² in
+/// [0,1]. An error of 2e-9 in a weight is far below what a float normal holds.
+double angle_of(double y, double x) {
+  constexpr double c[] = {0.999999997161,  -0.33333276292,   0.199980752808, -0.142600160797,
+                          0.109323414859,  -0.083497249245,  0.057089555187, -0.0303518640434,
+                          0.0104876488531, -0.00170116997324};
+  const double size_x = std::abs(x);
+  const double z = std::min(y, size_x) / std::max(y, size_x), u = z * z;
+  double sum = 0;
+  for (int i = 9; i >= 0; --i) sum = sum * u + c[i];
+  const double low = z * sum;
+  const double first_quadrant = y > size_x ? std::numbers::pi / 2 - low : low;
+  return x < 0 ? std::numbers::pi - first_quadrant : first_quadrant;
+}
+
+/// What a triangle adds at its corners: its unit normal, weighted.
+struct FaceShare {
   glm::dvec3 normal{0};
-  double weight = 0;
+  double weights[3] = {0, 0, 0};
 };
 
-Share corner_share(const Mesh& mesh, const glm::uvec3& t, int corner, NormalWeight weight) {
+double corner_weight(double doubled_area, const glm::dvec3& e1, const glm::dvec3& e2, NormalWeight weight) {
+  switch (weight) {
+    case NormalWeight::angle:
+      return angle_of(doubled_area, glm::dot(e1, e2));
+    case NormalWeight::area:
+      return doubled_area;
+    case NormalWeight::uniform:
+      return 1;
+    case NormalWeight::max:
+      return doubled_area / (glm::dot(e1, e1) * glm::dot(e2, e2));
+  }
+  return 0;
+}
+
+FaceShare face_share(const Mesh& mesh, const glm::uvec3& t, NormalWeight weight) {
   const glm::dvec3 cross = area_vector(mesh, t);
   const double length = glm::length(cross);
   if (!(length > 0)) return {};
-  const glm::dvec3 p(mesh.positions[t[corner]]);
-  const glm::dvec3 e1 = glm::dvec3(mesh.positions[t[(corner + 1) % 3]]) - p;
-  const glm::dvec3 e2 = glm::dvec3(mesh.positions[t[(corner + 2) % 3]]) - p;
-  double w = 1;
-  switch (weight) {
-    case NormalWeight::angle:
-      w = std::atan2(length, glm::dot(e1, e2));
-      break;
-    case NormalWeight::area:
-      w = length;
-      break;
-    case NormalWeight::uniform:
-      w = 1;
-      break;
-    case NormalWeight::max:
-      w = length / (glm::dot(e1, e1) * glm::dot(e2, e2));
-      break;
-  }
-  return {cross * (w / length), w};
+  const glm::dvec3 p0(mesh.positions[t[0]]), p1(mesh.positions[t[1]]), p2(mesh.positions[t[2]]);
+  return {cross / length,
+          {corner_weight(length, p1 - p0, p2 - p0, weight), corner_weight(length, p2 - p1, p0 - p1, weight),
+           corner_weight(length, p0 - p2, p1 - p2, weight)}};
 }
 
-/// The corners (3·triangle + corner) around each group of vertices that share a normal.
-struct CornerTable {
-  std::vector<std::uint32_t> begin;    ///< G + 1 offsets into `corners`.
-  std::vector<std::uint32_t> corners;  ///< 3F, in the order of the triangles within each group.
+struct NormalSum {
+  glm::dvec3 normal{0};
+  double weights = 0;
 };
-
-CornerTable corners_by_group(const Mesh& mesh, const std::vector<std::uint32_t>& group_of,
-                             std::size_t n_groups) {
-  const auto group = [&](std::uint32_t v) { return group_of.empty() ? v : group_of[v]; };
-  CornerTable table;
-  table.begin.assign(n_groups + 2, 0);
-  for (const glm::uvec3& t : mesh.triangles)
-    for (int c = 0; c < 3; ++c) ++table.begin[group(t[c]) + 2];
-  for (std::size_t g = 2; g < table.begin.size(); ++g) table.begin[g] += table.begin[g - 1];
-  table.corners.resize(3 * mesh.n_triangles());
-  for (std::size_t f = 0; f < mesh.n_triangles(); ++f)
-    for (int c = 0; c < 3; ++c)
-      table.corners[table.begin[group(mesh.triangles[f][c]) + 1]++] = static_cast<std::uint32_t>(3 * f + c);
-  table.begin.pop_back();
-  return table;
-}
 
 }  // namespace
 
@@ -85,39 +84,39 @@ VertexNormals vertex_normals(const Mesh& mesh, NormalWeight weight) {
       mesh.normal_groups.empty() ? mesh.source_vertices : mesh.normal_groups;
   std::size_t n_groups = mesh.n_vertices();
   for (const std::uint32_t g : group_of) n_groups = std::max<std::size_t>(n_groups, g + 1);
-  const CornerTable table = corners_by_group(mesh, group_of, n_groups);
+  const auto group = [&](std::uint32_t v) { return group_of.empty() ? v : group_of[v]; };
 
-  std::vector<glm::vec3> group_normals(n_groups, glm::vec3(0));
-  parallel_blocks(n_groups, block_size, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t g = begin; g < end; ++g) {
-      glm::dvec3 sum(0);
-      double weights = 0;
-      for (std::uint32_t i = table.begin[g]; i < table.begin[g + 1]; ++i) {
-        const std::uint32_t corner = table.corners[i];
-        const Share share =
-            corner_share(mesh, mesh.triangles[corner / 3], static_cast<int>(corner % 3), weight);
-        sum += share.normal;
-        weights += share.weight;
+  // The arithmetic in parallel, a batch of faces at a time; the sums in the order of the faces.
+  constexpr std::size_t batch_size = 32768;
+  std::vector<NormalSum> sums(n_groups);
+  std::vector<bool> is_used(n_groups, false);
+  std::vector<FaceShare> shares(std::min(batch_size, mesh.n_triangles()));
+  for (std::size_t first = 0; first < mesh.n_triangles(); first += batch_size) {
+    const std::size_t n = std::min(batch_size, mesh.n_triangles() - first);
+    parallel_blocks(n, block_size, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i)
+        shares[i] = face_share(mesh, mesh.triangles[first + i], weight);
+    });
+    for (std::size_t i = 0; i < n; ++i)
+      for (int c = 0; c < 3; ++c) {
+        const std::uint32_t g = group(mesh.triangles[first + i][c]);
+        sums[g].normal += shares[i].normal * shares[i].weights[c];
+        sums[g].weights += shares[i].weights[c];
+        is_used[g] = true;
       }
-      const double length = glm::length(sum);
-      if (length > cancelled * weights) group_normals[g] = glm::vec3(sum / length);
-    }
-  });
+  }
 
   VertexNormals result;
-  const auto is_undefined = [&](std::size_t g) {
-    return table.begin[g] < table.begin[g + 1] && group_normals[g] == glm::vec3(0);
-  };
-  if (group_of.empty()) {
-    for (std::size_t v = 0; v < n_groups; ++v) result.undefined += is_undefined(v);
-    result.normals = std::move(group_normals);
-    return result;
-  }
   result.normals.resize(mesh.n_vertices());
-  for (std::size_t v = 0; v < mesh.n_vertices(); ++v) {
-    result.normals[v] = group_normals[group_of[v]];
-    result.undefined += is_undefined(group_of[v]);
-  }
+  parallel_blocks(mesh.n_vertices(), block_size, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin; v < end; ++v) {
+      const NormalSum& sum = sums[group(static_cast<std::uint32_t>(v))];
+      const double length = glm::length(sum.normal);
+      if (length > cancelled * sum.weights) result.normals[v] = glm::vec3(sum.normal / length);
+    }
+  });
+  for (std::size_t v = 0; v < mesh.n_vertices(); ++v)
+    result.undefined += is_used[group(static_cast<std::uint32_t>(v))] && result.normals[v] == glm::vec3(0);
   return result;
 }
 
