@@ -25,6 +25,7 @@ struct BakeMethodOptions {
   double max_seconds = 0;
   double gradient_weight = BakeOptions{}.gradient_weight;
   int levels = BakeOptions{}.levels;
+  double light_tolerance = BakeOptions{}.light_tolerance;
 };
 
 /// How lit meshes are stored.

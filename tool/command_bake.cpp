@@ -44,6 +44,7 @@ int bake_and_write(const BakeCommand& command) {
   json["vertices"] = mesh.n_vertices();
   json["triangles"] = mesh.n_triangles();
   json["lights"] = loaded.file.scene.lights.size();
+  json["light_error"] = {{"linear", baked.light_error.linear}, {"display", baked.light_error.display}};
   json["outputs"] = nlohmann::ordered_json::array();
   Findings findings = loaded.file.findings;
   findings.insert(findings.end(), baked.findings.begin(), baked.findings.end());
