@@ -32,13 +32,6 @@ struct Sixteen {
   V part[n_parts];
 };
 
-HWY_INLINE Sixteen load(const float* from) {
-  Sixteen s;
-  for (std::size_t i = 0; i < Sixteen::n_parts; ++i)
-    s.part[i] = hn::LoadU(Floats(), from + i * hn::MaxLanes(Floats()));
-  return s;
-}
-
 /// Irregular solid harmonics (l − m)! P_l^m(cos θ) e^{imφ} / r^(l+1) of (x, y, z).
 HWY_INLINE void irregular_harmonics(V x, V y, V z, V s[n_coefficients]) {
   const V one = set(1.0f);
@@ -105,28 +98,43 @@ float sum_of_lanes(const Sixteen& s) {
   return lanes[0];
 }
 
+using Sums = Sixteen[3][n_coefficients];
+
+/// Adds `n_groups` times sixteen lights: their harmonics first, so that each sum is loaded and stored once
+/// for all.
+template <int n_groups>
+HWY_INLINE void add_groups(const LightField& field, const LightArrays& lights, std::size_t begin,
+                           Sums& sums) {
+  const V scale = set(1.0f / field.radius);
+  const V cx = set(field.center.x), cy = set(field.center.y), cz = set(field.center.z);
+  for (std::size_t p = 0; p < Sixteen::n_parts; ++p) {
+    V s[n_groups][n_coefficients], intensity[3][n_groups];
+    for (int i = 0; i < n_groups; ++i) {
+      const std::size_t at_light = begin + 16 * static_cast<std::size_t>(i) + p * hn::MaxLanes(Floats());
+      const auto load = [&](const std::vector<float>& from)
+                            HWY_ATTR { return hn::LoadU(Floats(), &from[at_light]); };
+      irregular_harmonics(hn::Mul(hn::Sub(load(lights.x), cx), scale),
+                          hn::Mul(hn::Sub(load(lights.y), cy), scale),
+                          hn::Mul(hn::Sub(load(lights.z), cz), scale), s[i]);
+      intensity[0][i] = load(lights.r), intensity[1][i] = load(lights.g), intensity[2][i] = load(lights.b);
+    }
+    for (int c = 0; c < 3; ++c)
+      for (int k = 1; k < n_coefficients; ++k) {
+        V sum = sums[c][k].part[p];
+        for (int i = 0; i < n_groups; ++i) sum = hn::Add(sum, hn::Mul(intensity[c][i], s[i][k]));
+        sums[c][k].part[p] = sum;
+      }
+  }
+}
+
 void add_lights_to(LightField& field, const LightArrays& lights, std::size_t begin, std::size_t end) {
-  Sixteen sums[3][n_coefficients];
+  Sums sums;
   for (auto& channel : sums)
     for (Sixteen& sum : channel)
       for (V& part : sum.part) part = hn::Zero(Floats());
-  const V scale = set(1.0f / field.radius);
-  const V cx = set(field.center.x), cy = set(field.center.y), cz = set(field.center.z);
-  for (std::size_t i = begin; i < end; i += 16) {
-    const Sixteen x = load(&lights.x[i]), y = load(&lights.y[i]), z = load(&lights.z[i]);
-    const Sixteen r = load(&lights.r[i]), g = load(&lights.g[i]), b = load(&lights.b[i]);
-    for (std::size_t p = 0; p < Sixteen::n_parts; ++p) {
-      V s[n_coefficients];
-      irregular_harmonics(hn::Mul(hn::Sub(x.part[p], cx), scale), hn::Mul(hn::Sub(y.part[p], cy), scale),
-                          hn::Mul(hn::Sub(z.part[p], cz), scale), s);
-#pragma GCC unroll 128
-      for (int k = 1; k < n_coefficients; ++k) {
-        sums[0][k].part[p] = hn::Add(sums[0][k].part[p], hn::Mul(r.part[p], s[k]));
-        sums[1][k].part[p] = hn::Add(sums[1][k].part[p], hn::Mul(g.part[p], s[k]));
-        sums[2][k].part[p] = hn::Add(sums[2][k].part[p], hn::Mul(b.part[p], s[k]));
-      }
-    }
-  }
+  std::size_t i = begin;
+  for (; i + 64 <= end; i += 64) add_groups<4>(field, lights, i, sums);
+  for (; i < end; i += 16) add_groups<1>(field, lights, i, sums);
   for (int c = 0; c < 3; ++c)
     for (int k = 1; k < n_coefficients; ++k) field.coefficients[c][k] += sum_of_lanes(sums[c][k]);
 }
