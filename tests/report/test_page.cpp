@@ -92,6 +92,12 @@ TEST(ReportPage, MethodsTried_AndStepsOfTheError_AreTold) {
   EXPECT_NE(page.find("width:25.00%"), std::string::npos);
 }
 
+TEST(ReportPage, RoundingBesideAOne_IsToldAsZero) {
+  Comparison c = small_comparison();
+  c.surface_display.worst[0].barycentrics = {1.1e-16, 0.5, 0.5};
+  EXPECT_NE(report_page(c).find(">0, 0.5, 0.5<"), std::string::npos);
+}
+
 TEST(ReportPage, SameComparison_SameBytes) {
   EXPECT_EQ(report_page(small_comparison()), report_page(small_comparison()));
 }

@@ -336,7 +336,9 @@ std::string worst_section(const Comparison& c) {
   const std::vector<SurfacePlace>& worst = c.surface_display.worst;
   if (worst.empty()) return {};
   const auto vector = [](const glm::dvec3& v) {
-    return fmt::format("{}, {}, {}", short_number(v.x), short_number(v.y), short_number(v.z));
+    // What rounding leaves beside a 1 is 0 to a reader.
+    const auto number = [&](double x) { return short_number(std::abs(x) < 1e-9 * glm::length(v) ? 0 : x); };
+    return fmt::format("{}, {}, {}", number(v.x), number(v.y), number(v.z));
   };
   std::string html =
       "<section aria-labelledby=\"worst\">\n<h2 id=\"worst\">The worst places on the surface</h2>\n"
