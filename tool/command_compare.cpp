@@ -89,8 +89,8 @@ void compare_views(const CompareCommand& command, const Scene& scene, const Bake
   if (command.n_views > 1) {
     if (!command.camera.eye.empty() || !command.camera.camera.empty())
       throw InvalidOption("--views: expected no --eye or --camera with it, as the views go around the model");
-    cameras = frame_around(bounds_of(scene.mesh.positions),
-                           static_cast<float>(size.x) / static_cast<float>(size.y), command.n_views);
+    cameras = frame_around(scene.mesh.positions, static_cast<float>(size.x) / static_cast<float>(size.y),
+                           command.n_views);
   }
   console.stage("pictures");
   const Progress progress = console.progress();

@@ -267,7 +267,7 @@ Camera choose_camera(const CameraOptions& options, const Scene& scene, const glm
   if (!options.target.empty() || options.fov_deg)
     throw InvalidOption("--target, --fov-deg: expected --eye with them");
   if (!scene.cameras.empty()) return scene.cameras.front();
-  return frame(bounds, aspect);
+  return frame(scene.mesh.positions, aspect);
 }
 
 }  // namespace lambake::tool

@@ -171,8 +171,8 @@ TEST(CommandLine, Compare_NothingToWriteInTheMiddle_LeavesNoFolder) {
 TEST(CommandLine, FlatFaceUnderASun_Compare_DifferenceIsExactly0) {
   const ScratchFolder folder("flat");
   write_quad(folder / "in.off");
-  const ToolResult result =
-      run_tool(folder, "compare in.off -o c --sun 0.3,0.2,1 --size 64x64 --json --fail-above max=0");
+  const ToolResult result = run_tool(
+      folder, "compare in.off -o c --sun 0.3,0.2,1 --size 64x64 --color f32 --json --fail-above max=0");
   EXPECT_EQ(result.exit_code, 0) << result.err;
 }
 

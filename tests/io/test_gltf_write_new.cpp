@@ -94,16 +94,17 @@ TEST(NewGltf, BaseColourAndEmission_NoTexture_AreInTheVertexColour) {
   EXPECT_FALSE(glb.json["materials"][0]["pbrMetallicRoughness"].contains("baseColorFactor"));
 }
 
-TEST(NewGltf, Exposure_OneStop_DoublesAndCountsWhatIsClipped) {
+TEST(NewGltf, ColoursAboveOne_AreCountedAndClippedInCOLOR_0Alone) {
   Square square;
-  const Glb glb = square.write({.color = ColorStorage::f32, .exposure_stops = 1});
+  for (LinearRgb& color : square.baked.colors) color = color * 2.0f;
+  const Glb glb = square.write({.color = ColorStorage::f32});
   const std::size_t color = glb.attribute(0, 0, "COLOR_0");
   EXPECT_FLOAT_EQ(glb.value<float>(color, 2, 0), 0.25f);
   EXPECT_FLOAT_EQ(glb.value<float>(color, 1, 0), 1.0f);
   EXPECT_EQ(square.written.clipped_vertices, 2U);  // (1,1,1) and (0.75, 0.5, 0.25).
   EXPECT_EQ(count_of(square.written.findings, "clipped_vertices"), 2U);
 
-  const Glb light = square.write({.color = ColorStorage::f32, .attribute = "_LIGHT", .exposure_stops = 1});
+  const Glb light = square.write({.color = ColorStorage::f32, .attribute = "_LIGHT"});
   EXPECT_FLOAT_EQ(light.value<float>(light.attribute(0, 0, "_LIGHT"), 1, 0), 2.0f);
   EXPECT_EQ(square.written.clipped_vertices, 0U);
 }

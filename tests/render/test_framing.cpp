@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "lambake/core/bounds.h"
 #include "lambake/core/error.h"
 
 namespace lambake {
@@ -23,11 +24,18 @@ double angle_left(const Camera& camera, const glm::dvec3& center, double radius,
   return least;
 }
 
+std::vector<glm::vec3> corners(const Bounds& box) {
+  std::vector<glm::vec3> points;
+  for (int i = 0; i < 8; ++i)
+    points.push_back(glm::mix(box.min, box.max, glm::vec3(i & 1, i >> 1 & 1, i >> 2)));
+  return points;
+}
+
 TEST(Framing, AnyAspectAndScale_SeesTheWholeSphereAndLittleElse) {
   for (const float aspect : {0.25f, 1.0f, 1.7778f, 4.0f})
     for (const float scale : {1e-9f, 1.0f, 1e9f}) {
       const Bounds bounds{glm::vec3(1, 2, 3) * scale, glm::vec3(2, 5, 4) * scale};
-      for (const Camera& camera : frame_around(bounds, aspect, 5)) {
+      for (const Camera& camera : frame_around(corners(bounds), aspect, 5)) {
         const double left = angle_left(camera, bounds.center(), bounds.radius(), aspect);
         EXPECT_GT(left, 0) << aspect;
         EXPECT_LT(left, 0.02) << aspect;
@@ -41,18 +49,27 @@ TEST(Framing, AnyAspectAndScale_SeesTheWholeSphereAndLittleElse) {
 
 TEST(Framing, FirstOfTheViewsAround_IsTheFramedOne) {
   const Bounds bounds{{0, 0, 0}, {1, 1, 1}};
-  const std::vector<Camera> views = frame_around(bounds, 1.5f, 4);
+  const std::vector<Camera> views = frame_around(corners(bounds), 1.5f, 4);
   ASSERT_EQ(views.size(), 4u);
-  EXPECT_EQ(views[0].world_from_camera, frame(bounds, 1.5f).world_from_camera);
+  EXPECT_EQ(views[0].world_from_camera, frame(corners(bounds), 1.5f).world_from_camera);
   const glm::vec3 towards_first(views[0].world_from_camera[2]), towards_third(views[2].world_from_camera[2]);
   EXPECT_NEAR(towards_third.x, -towards_first.x, 1e-6f);
   EXPECT_NEAR(towards_third.y, towards_first.y, 1e-6f);
 }
 
-TEST(Framing, EmptyOrPointBounds_GiveAFiniteCamera) {
-  for (const Bounds& bounds : {Bounds{}, Bounds{{2, 2, 2}, {2, 2, 2}}})
+TEST(Framing, Ball_IsFramedByItsOwnRadiusAndNotItsBoxes) {
+  const std::vector<glm::vec3> ball = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
+  const double left = angle_left(frame(ball, 1), {0, 0, 0}, 1, 1);
+  EXPECT_GT(left, 0);
+  EXPECT_LT(left, 0.02);
+}
+
+TEST(Framing, NoneOrOneOrNotFinitePoints_GiveAFiniteCamera) {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  for (const std::vector<glm::vec3>& points :
+       {std::vector<glm::vec3>{}, {{2, 2, 2}}, {{nan, 0, 0}}, {{1, 2, 3}, {nan, 0, 0}, {4, 5, 6}}})
     for (int i = 0; i < 4; ++i)
-      for (int j = 0; j < 4; ++j) EXPECT_TRUE(std::isfinite(frame(bounds, 1).world_from_camera[i][j]));
+      for (int j = 0; j < 4; ++j) EXPECT_TRUE(std::isfinite(frame(points, 1).world_from_camera[i][j]));
 }
 
 TEST(LookAt, AnyDirection_MapsTheTargetToTheMiddleAndKeepsLengths) {

@@ -59,7 +59,7 @@ TEST(ShadePerFragment, SmoothSphereUnderASun_IsTheCosineOfTheInterpolatedNormal)
   Scene scene = scene_of({}, {});
   scene.mesh = testing::sphere_mesh(24);
   scene.lights = {sun({0.3f, 0.5f, 1})};
-  const Camera camera = frame(bounds_of(scene.mesh.positions), 1);
+  const Camera camera = frame(scene.mesh.positions, 1);
   const Visibility seen = find_visibility(scene, scene.mesh, camera, 64, 64);
   const Picture picture = shade_per_fragment(scene, seen);
   std::size_t n_lit = 0;
@@ -155,8 +155,7 @@ TEST(Shade, OneThreadAndTwo_GiveTheSamePictures) {
   Scene scene = scene_of({}, {});
   scene.mesh = testing::sphere_mesh(40);
   scene.lights = {sun({0.3f, 0.5f, 1})};
-  const Visibility seen =
-      find_visibility(scene, scene.mesh, frame(bounds_of(scene.mesh.positions), 1), 200, 200);
+  const Visibility seen = find_visibility(scene, scene.mesh, frame(scene.mesh.positions, 1), 200, 200);
   const BakedColors baked = bake(scene, {});
   set_thread_count(1);
   const Picture fragment = shade_per_fragment(scene, seen), vertex = shade_per_vertex(scene, baked, seen);

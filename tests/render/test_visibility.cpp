@@ -184,7 +184,7 @@ TEST(Visibility, RepeatedFacesInAnyOrderOfCorners_TheFirstIsSeen) {
   for (const std::uint32_t rings : {6u, 150u}) {  // large triangles, and ones of a few pixels
     Scene scene = scene_of({}, {});
     scene.mesh = testing::sphere_mesh(rings);
-    const Camera camera = frame(bounds_of(scene.mesh.positions), 1);
+    const Camera camera = frame(scene.mesh.positions, 1);
     const Visibility alone = find_visibility(scene, scene.mesh, camera, 100, 100);
     const std::vector<glm::uvec3> once = scene.mesh.triangles;
     for (const glm::uvec3& t : once) scene.mesh.triangles.emplace_back(t[1], t[2], t[0]);
@@ -235,13 +235,13 @@ TEST(Visibility, VertexThatIsNotFinite_TakesItsTrianglesAlongAndNoOther) {
 TEST(Visibility, HugeAndTinyScales_SeeTheSame) {
   for (const float scale : {1e-12f, 1.0f, 1e12f}) {
     Scene scene = scene_of({}, {});
-    scene.mesh = testing::sphere_mesh(16);
+    scene.mesh = testing::sphere_mesh(64);
     for (glm::vec3& p : scene.mesh.positions) p *= scale;
-    const Camera camera = frame(bounds_of(scene.mesh.positions), 1.0f);
+    const Camera camera = frame(scene.mesh.positions, 1.0f);
     const Visibility seen = find_visibility(scene, scene.mesh, camera, 64, 64);
-    // The box's sphere has the radius sqrt(3) and fills the picture but for a margin of 2 %: the sphere's
-    // outline has the radius tan(asin(sin(0.3) / (1.02·sqrt(3)))) / tan(0.3) of half the picture.
-    const double radius = std::tan(std::asin(std::sin(0.3) / (1.02 * std::sqrt(3.0)))) / std::tan(0.3);
+    // The sphere fills the picture but for a margin of 2 %: its outline has the radius
+    // tan(asin(sin(0.3) / 1.02)) / tan(0.3) of half the picture.
+    const double radius = std::tan(std::asin(std::sin(0.3) / 1.02)) / std::tan(0.3);
     EXPECT_NEAR(double(seen.n_covered) / (64 * 64), 0.25 * 3.14159265 * radius * radius, 0.004) << scale;
   }
 }
@@ -273,7 +273,7 @@ TEST(Visibility, SizesAndCamerasOutOfRange_Throw) {
 TEST(Visibility, OneThreadAndTwo_SeeTheSame) {
   Scene scene = scene_of({}, {});
   scene.mesh = testing::sphere_mesh(200);  // more triangles than a block
-  const Camera camera = frame(bounds_of(scene.mesh.positions), 1.5f);
+  const Camera camera = frame(scene.mesh.positions, 1.5f);
   set_thread_count(1);
   const Visibility one = find_visibility(scene, scene.mesh, camera, 300, 200);
   set_thread_count(2);

@@ -64,7 +64,7 @@ TEST(RunChart, MethodsAskedFor_AreMeasured_WithTheirErrors) {
   const Scene scene = leaning_square();
   const ChartRun run = run_chart(scene, {.methods = {"sample", "adaptive"},
                                          .budget_seconds = 20,
-                                         .camera = frame(bounds_of(scene.mesh.positions), 16.0f / 9)});
+                                         .camera = frame(scene.mesh.positions, 16.0f / 9)});
   EXPECT_TRUE(run.left_out.empty());
   double sample_bound = 0;
   for (const MethodRun& m : run.methods) {

@@ -40,7 +40,7 @@ TEST(DirtyMesh, EveryTroubleAtOnce_IsCounted_LitAndPictured) {
   const Scene scene = scene_of(file.scene.mesh, sun_and_lamp());
   for (const BakeMethod method : every_method) {
     const Measured m = measure(scene, method);
-    const Camera camera = frame(bounds_of(scene.mesh.positions), 1);
+    const Camera camera = frame(scene.mesh.positions, 1);
     const Mesh& mesh = mesh_of(scene, m.baked);
     const Picture picture = shade_per_vertex(scene, m.baked, find_visibility(scene, mesh, camera, 64, 64));
     for (const LinearRgb& c : picture.pixels) EXPECT_TRUE(is_finite(c));

@@ -15,7 +15,6 @@ struct GltfWriteOptions {
   ColorStorage color = ColorStorage::u16;
   bool mark_unlit = true;             ///< KHR_materials_unlit, so that nothing is lit twice.
   std::string attribute = "COLOR_0";  ///< Or another, e.g. "_LIGHT", for engines with a shader of their own.
-  float exposure_stops = 0;           ///< Colours are scaled by 2^stops.
 };
 
 /// Writes a .glb or .gltf (+ .bin), whole or not at all: for a scene from a glTF file the asset as it was

@@ -103,7 +103,6 @@ class AssetWriter {
       else
         emission_lost_ += baked.mesh_vertices.size();
     }
-    const float scale = std::exp2(options_.exposure_stops);
     const bool has_opacities = had_color && replaces_color() && !mesh_.opacities.empty();
     std::vector<LinearRgb> colors;
     std::vector<float> opacities;
@@ -111,7 +110,7 @@ class AssetWriter {
     for (const std::uint32_t v : baked.mesh_vertices) {
       LinearRgb color = v == no_vertex ? LinearRgb{} : baked_.colors[v];
       if (had_color && !replaces_color() && v != no_vertex) color = divide(color, mesh_.colors[v]);
-      colors.push_back((color + emission) * scale);
+      colors.push_back(color + emission);
       if (has_opacities) opacities.push_back(v == no_vertex ? 1.0f : mesh_.opacities[v]);
     }
     return encode_colors(colors, opacities, {.storage = options_.color, .is_clamped = replaces_color()});

@@ -146,7 +146,6 @@ class NewAsset {
 
   std::size_t write_colors(GltfDocument& document, const Part& part) {
     const Material& material = scene_.materials[part.material];
-    const float scale = std::exp2(options_.exposure_stops);
     const bool folds_emission = can_fold_emission(material);
     if (has_emission(material) && !folds_emission)
       add_finding(written_.findings, "emission_not_written", part.vertices.size(),
@@ -157,7 +156,6 @@ class NewAsset {
     for (LinearRgb& color : colors) {
       color = color * material.base_color;
       if (folds_emission) color += material.emission;
-      color = color * scale;
     }
     std::vector<float> opacities = gather(mesh_.opacities, part.vertices);
     if (material.opacity != 1) {

@@ -88,14 +88,13 @@ WrittenColors write_ply_file(const std::string& path, const Scene& scene, const 
     throw InvalidOption(path + ": colours of PLY are u8 or f32, not u16");
   const Mesh& mesh = mesh_of(scene, baked);
   const bool is_float = options.color == ColorStorage::f32;
-  const float exposure = std::exp2(options.exposure_stops);
 
   WrittenColors written;
   std::vector<LinearRgb> colors(mesh.n_vertices());
   const std::vector<std::uint32_t> materials = materials_of_vertices(mesh);
   parallel_blocks(mesh.n_vertices(), 4096, [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v < end; ++v)
-      colors[v] = color_at(scene, mesh, scene.materials[materials[v]], baked.colors[v], v) * exposure;
+      colors[v] = color_at(scene, mesh, scene.materials[materials[v]], baked.colors[v], v);
   });
   std::size_t n_non_finite = 0;
   for (LinearRgb& c : colors) {

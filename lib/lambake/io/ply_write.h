@@ -10,8 +10,7 @@ namespace lambake {
 
 struct PlyWriteOptions {
   ColorStorage color =
-      ColorStorage::u8;      ///< u8: uchar, sRGB-encoded, as MeshLab and Blender show them; f32: linear.
-  float exposure_stops = 0;  ///< Colours are scaled by 2^stops.
+      ColorStorage::u8;  ///< u8: uchar, sRGB-encoded, as MeshLab and Blender show them; f32: linear.
 };
 
 /// Writes a binary little-endian PLY, whole or not at all: positions, normals, texture coordinates if any,

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <glm/gtc/constants.hpp>
 
+#include "lambake/core/bounds.h"
 #include "lambake/core/error.h"
 
 namespace lambake {
@@ -30,29 +31,44 @@ Camera aim(const glm::dvec3& eye, const glm::dvec3& forward, double distance, fl
   return camera;
 }
 
-Camera frame_from(const Bounds& bounds, float aspect, double turn_rad) {
-  const glm::dvec3 center = bounds.is_empty() ? glm::dvec3(0) : glm::dvec3(bounds.center());
-  const double radius = bounds.radius() > 0 ? double(bounds.radius()) : 1.0;
+/// The sphere that must be in the picture.
+struct Sphere {
+  glm::dvec3 center{0};
+  double radius = 1;
+};
+
+Sphere sphere_around(std::span<const glm::vec3> points) {
+  const Bounds box = bounds_of(points);
+  if (box.is_empty()) return {};
+  Sphere sphere{glm::dvec3(box.center()), 0};
+  for (const glm::vec3& p : points)
+    if (is_finite(p)) sphere.radius = std::max(sphere.radius, glm::length(glm::dvec3(p) - sphere.center));
+  if (!(sphere.radius > 0)) sphere.radius = 1;
+  return sphere;
+}
+
+Camera frame_from(const Sphere& sphere, float aspect, double turn_rad) {
   const double half_height = std::tan(0.5 * double(default_vertical_fov_rad));
   const double half_angle = std::atan(half_height * std::min(1.0, double(aspect)));
   constexpr double margin = 1.02;  // a little air, and more than what rounding of the eye to float takes
-  const double distance = margin * radius / std::sin(half_angle);
+  const double distance = margin * sphere.radius / std::sin(half_angle);
   const double turn = 0.5 + turn_rad;
   const glm::dvec3 towards_eye = glm::normalize(glm::dvec3(std::sin(turn), 0.35, std::cos(turn)));
-  return aim(center + distance * towards_eye, -towards_eye, distance, default_vertical_fov_rad);
+  return aim(sphere.center + distance * towards_eye, -towards_eye, distance, default_vertical_fov_rad);
 }
 
 }  // namespace
 
-Camera frame(const Bounds& bounds, float aspect) {
-  return frame_from(bounds, aspect, 0);
+Camera frame(std::span<const glm::vec3> points, float aspect) {
+  return frame_from(sphere_around(points), aspect, 0);
 }
 
-std::vector<Camera> frame_around(const Bounds& bounds, float aspect, std::size_t n_views) {
+std::vector<Camera> frame_around(std::span<const glm::vec3> points, float aspect, std::size_t n_views) {
+  const Sphere sphere = sphere_around(points);
   std::vector<Camera> cameras;
   for (std::size_t i = 0; i < n_views; ++i)
     cameras.push_back(frame_from(
-        bounds, aspect, glm::two_pi<double>() * static_cast<double>(i) / static_cast<double>(n_views)));
+        sphere, aspect, glm::two_pi<double>() * static_cast<double>(i) / static_cast<double>(n_views)));
   return cameras;
 }
 

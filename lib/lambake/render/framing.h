@@ -1,19 +1,20 @@
 #pragma once
 
 #include <cstddef>
+#include <glm/glm.hpp>
+#include <span>
 #include <vector>
 
-#include "lambake/core/bounds.h"
 #include "lambake/scene/camera.h"
 
 namespace lambake {
 
-/// A camera that sees the whole bounding sphere of `bounds` from a little above and to the right, for a
-/// picture of the given aspect (width / height).
-Camera frame(const Bounds& bounds, float aspect);
+/// A camera that sees all finite `points`, in a sphere around the middle of their box, from a little above
+/// and to the right, for a picture of the given aspect (width / height).
+Camera frame(std::span<const glm::vec3> points, float aspect);
 
 /// `n_views` such cameras evenly around the model; the first is frame().
-std::vector<Camera> frame_around(const Bounds& bounds, float aspect, std::size_t n_views);
+std::vector<Camera> frame_around(std::span<const glm::vec3> points, float aspect, std::size_t n_views);
 
 /// A perspective camera at `eye` looking at `target`, y up (z up if it looks along y).
 /// @throws InvalidOption if eye and target are equal or not finite, or the angle is not in (0, π).
