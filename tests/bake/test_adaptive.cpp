@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
@@ -172,6 +173,30 @@ TEST(Adaptive, StoredColours_AreWhatIsCertified) {
   for (const LinearRgb& c : baked.colors) EXPECT_EQ(c.r, to_u8(c.r));
   EXPECT_TRUE(baked.certificate->is_certified);
   EXPECT_LE(surface_error(scene, baked, ErrorSpace::display).max_sampled, 8.0 / 255);
+}
+
+// What a clipped colour loses no cut brings back: cutting would never end.
+TEST(Adaptive, ColoursThatTheOutputClips_AreToldAndNotCutFor) {
+  Scene scene = scene_of(icosphere(2), {sun({0.4f, 1, 0.3f}, {1.5f, 1.5f, 1.5f})});
+  scene.materials[0].base_color = {0.5f, 0.5f, 0.5f};
+  const BakeOptions plain{.method = BakeMethod::adaptive};
+  BakeOptions clipping = plain;
+  clipping.as_stored = [](const LinearRgb& c) {
+    return LinearRgb{std::min(c.r, 1.0f), std::min(c.g, 1.0f), std::min(c.b, 1.0f)};
+  };
+  const BakedColors exact = bake(scene, plain), clipped = bake(scene, clipping);
+  EXPECT_TRUE(exact.certificate->is_certified);
+  EXPECT_FALSE(clipped.certificate->is_certified);
+  EXPECT_EQ(clipped.mesh->n_triangles(), exact.mesh->n_triangles());
+  EXPECT_LE(std::max_element(clipped.colors.begin(), clipped.colors.end(),
+                             [](auto& a, auto& b) { return a.r < b.r; })
+                ->r,
+            1.0f);
+  EXPECT_GE(clipped.certificate->max_bound, surface_error(scene, clipped, ErrorSpace::display).max_sampled);
+  std::size_t n_told = 0;
+  for (const Finding& finding : clipped.findings)
+    if (finding.code == "triangles_open_by_storage") n_told = finding.count;
+  EXPECT_EQ(n_told, clipped.certificate->open_triangles);
 }
 
 TEST(Adaptive, LampOnTheSurface_EndsUncertified) {

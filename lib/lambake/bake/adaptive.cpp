@@ -69,6 +69,7 @@ class AdaptiveBake {
       active = apply(marks);
     }
     bound(active);
+    const std::size_t n_spoilt = take_stored_colors();
 
     certificate.smallest_angle_after = smallest_angle();
     std::size_t unbounded = 0;
@@ -82,6 +83,10 @@ class AdaptiveBake {
                 "triangles are touched by a light, so that their error has no bound");
     add_finding(baked.findings, "open_triangles", certificate.open_triangles - unbounded,
                 "triangles are not certified to be within the tolerance");
+    add_finding(
+        baked.findings, "triangles_open_by_storage", n_spoilt,
+        "of them would be, but for what the output clips or rounds: a lower exposure or finer colours "
+        "help there, cutting does not");
     baked.colors = std::move(colors_);
     baked.cuts = cut_.cuts();
     baked.parent_triangles = cut_.parent_triangles();
@@ -94,7 +99,8 @@ class AdaptiveBake {
     return cut_.albedos().empty() ? glm::dvec3(1) : cut_.albedos()[v];
   }
 
-  /// The colours of the vertices that have none yet: the reference at the vertex, as the output stores it.
+  /// The colours of the vertices that have none yet: the reference at the vertex, as the output stores it
+  /// unless that spoils it.
   void color_new_vertices() {
     const std::size_t first = colors_.size(), n = cut_.mesh().n_vertices();
     for (std::size_t i = is_unlit_.size(); i < n; ++i) {
@@ -102,6 +108,7 @@ class AdaptiveBake {
       is_unlit_.push_back(is_unlit_[cut.a] && is_unlit_[cut.b]);
     }
     colors_.resize(n);
+    if (options_.as_stored) stored_.resize(n), is_spoilt_.resize(n, false);
     parallel_blocks(n - first, block_size, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = first + begin; i < first + end; ++i) {
         Patch point;
@@ -111,9 +118,42 @@ class AdaptiveBake {
         const glm::dvec3 c =
             reference_at(point, scene_.lights, all_lights_, is_unlit_[i], glm::dvec3(1, 0, 0));
         colors_[i] = {static_cast<float>(c.r), static_cast<float>(c.g), static_cast<float>(c.b)};
-        if (options_.as_stored) colors_[i] = options_.as_stored(colors_[i]);
+        if (!options_.as_stored) continue;
+        stored_[i] = options_.as_stored(colors_[i]);
+        is_spoilt_[i] = is_spoilt(colors_[i], stored_[i]);
+        if (!is_spoilt_[i]) colors_[i] = stored_[i];
       }
     });
+  }
+
+  /// Whether so much of a colour is lost in the output that no cut around the vertex can mend it.
+  bool is_spoilt(const LinearRgb& color, const LinearRgb& stored) const {
+    const auto loss = [&](float was, float is) {
+      return options_.tolerance_space == ErrorSpace::linear
+                 ? std::abs(double(was) - double(is))
+                 : std::abs(srgb_encode(double(was)) - srgb_encode(double(is)));
+    };
+    return std::max({loss(color.r, stored.r), loss(color.g, stored.g), loss(color.b, stored.b)}) >
+           0.25 * options_.tolerance;
+  }
+
+  /// Cuts are chosen for the colours as they should be where the output spoils them; what is certified is
+  /// what is stored. @returns how many triangles come to be above the tolerance by that.
+  std::size_t take_stored_colors() {
+    if (!options_.as_stored) return 0;
+    std::vector<std::uint32_t> spoilt;
+    for (std::uint32_t f = 0; f < cut_.mesh().n_triangles(); ++f) {
+      const glm::uvec3& t = cut_.mesh().triangles[f];
+      if (is_spoilt_[t[0]] || is_spoilt_[t[1]] || is_spoilt_[t[2]]) spoilt.push_back(f);
+    }
+    const auto count_open = [&] {
+      return static_cast<std::size_t>(std::count_if(
+          spoilt.begin(), spoilt.end(), [&](std::uint32_t f) { return bounds_[f] > options_.tolerance; }));
+    };
+    const std::size_t n_before = count_open();
+    colors_ = stored_;
+    bound(spoilt);
+    return count_open() - n_before;
   }
 
   Patch patch_of(const glm::uvec3& t) const {
@@ -325,6 +365,8 @@ class AdaptiveBake {
   std::vector<std::uint32_t> all_lights_;
   std::vector<char> is_unlit_;     ///< V'
   std::vector<LinearRgb> colors_;  ///< V'
+  std::vector<LinearRgb> stored_;  ///< V', if the output stores colours otherwise.
+  std::vector<char> is_spoilt_;    ///< V', with `stored_`.
   double shortest_side_ = 0;
   std::vector<double> bounds_;  ///< F'
 };
