@@ -148,7 +148,11 @@ void add_method_json(nlohmann::ordered_json& json, const BakedScene& result) {
 std::function<LinearRgb(const LinearRgb&)> stored_by(const std::string& path, const OutputOptions& options) {
   const bool is_ply = lower_extension(path) == ".ply";
   const ColorStorage storage = storage_from(options.color, is_ply ? ColorStorage::u8 : ColorStorage::u16);
-  if (storage == ColorStorage::f32) return {};
+  if (storage == ColorStorage::f32 && (is_ply || options.attribute.front() == '_')) return {};
+  if (storage == ColorStorage::f32)  // COLOR_0 holds nothing above 1, whatever its type.
+    return [](const LinearRgb& c) {
+      return LinearRgb{std::clamp(c.r, 0.0f, 1.0f), std::clamp(c.g, 0.0f, 1.0f), std::clamp(c.b, 0.0f, 1.0f)};
+    };
   if (is_ply) return [](const LinearRgb& c) { return to_linear(to_srgb8(c)); };
   const float steps = storage == ColorStorage::u8 ? 255.0f : 65535.0f;
   return [steps](const LinearRgb& c) {

@@ -100,6 +100,29 @@ void apply_albedo(const std::string& text, SceneFile& file) {
   for (LinearRgb& color : mesh.colors) color = color * albedo;
 }
 
+/// Base colours without a texture become vertex colours, as a lit mesh file has one colour for both: what its
+/// storage clips is then the colour that is seen. The materials of a glTF asset stay, as they are written
+/// back.
+void fold_base_colors(SceneFile& file) {
+  if (file.asset != nullptr) return;
+  Scene& scene = file.scene;
+  Mesh& mesh = scene.mesh;
+  const auto folds = [&](const Material& m) {
+    return m.base_color_texture == no_texture && m.base_color != LinearRgb{1, 1, 1};
+  };
+  if (std::none_of(scene.materials.begin(), scene.materials.end(), folds)) return;
+  std::vector<LinearRgb> factors(mesh.n_vertices(), LinearRgb{1, 1, 1});  // A vertex has one material.
+  for (std::size_t f = 0; f < mesh.n_triangles(); ++f) {
+    const Material& material = scene.materials[mesh.material_of(f)];
+    if (folds(material))
+      for (int c = 0; c < 3; ++c) factors[mesh.triangles[f][c]] = material.base_color;
+  }
+  mesh.colors.resize(mesh.n_vertices(), LinearRgb{1, 1, 1});
+  for (std::size_t v = 0; v < mesh.n_vertices(); ++v) mesh.colors[v] = mesh.colors[v] * factors[v];
+  for (Material& material : scene.materials)
+    if (folds(material)) material.base_color = {1, 1, 1};
+}
+
 void apply_exposure(float stops, Scene& scene) {
   if (!std::isfinite(stops) || std::abs(stops) > 64)
     throw InvalidOption(fmt::format("--exposure: expected stops in [-64, 64], found {}", stops));
@@ -207,6 +230,7 @@ LoadedScene load_scene(const SceneOptions& options, Console& console, Stopwatch&
   console.stage("normals");
   add_lights(options, loaded);
   apply_albedo(options.albedo, loaded.file);
+  fold_base_colors(loaded.file);
   apply_exposure(options.exposure_stops, loaded.file.scene);
   make_normals(options, loaded);
   stopwatch.lap("normals");

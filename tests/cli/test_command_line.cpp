@@ -176,6 +176,16 @@ TEST(CommandLine, FlatFaceUnderASun_Compare_DifferenceIsExactly0) {
   EXPECT_EQ(result.exit_code, 0) << result.err;
 }
 
+TEST(CommandLine, BrightSunOnADarkSurface_ColourBelow1_IsNotClipped) {
+  const ScratchFolder folder("albedo");
+  write_quad(folder / "in.off");
+  const ToolResult result = run_tool(folder,
+                                     "compare in.off -o c --albedo 0.5,0.4,0.3 --sun 0,0,1,1.6,1.6,1.6 "
+                                     "--size 64x64 --fail-above max=0.0001");
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(result.err, "");
+}
+
 TEST(CommandLine, OneAndTwoThreads_SameBytes) {
   const ScratchFolder folder("threads");
   const std::string bunny = "'" LAMBAKE_SOURCE_DIR "/../shared/meshes/scan/lion-head.off'";
