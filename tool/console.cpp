@@ -83,10 +83,4 @@ void Stopwatch::lap(const std::string& stage) {
   last_ = now;
 }
 
-std::string group_digits(std::size_t n) {
-  std::string digits = std::to_string(n);
-  for (std::size_t i = digits.size(); i > 3; i -= 3) digits.insert(i - 3, 1, ',');
-  return digits;
-}
-
 }  // namespace lambake::tool

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "lambake/core/digits.h"
 #include "lambake/core/finding.h"
 #include "lambake/core/progress.h"
 
@@ -54,8 +55,5 @@ class Stopwatch {
   std::chrono::steady_clock::time_point last_;
   std::vector<std::pair<std::string, double>> seconds_;
 };
-
-/// 1234567 as "1,234,567".
-std::string group_digits(std::size_t n);
 
 }  // namespace lambake::tool

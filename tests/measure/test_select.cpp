@@ -25,7 +25,7 @@ TEST(SelectMethod, SphereUnderASun_NeedsCuts) {
   EXPECT_TRUE(selection.is_certified);
   EXPECT_EQ(selection.trials[selection.chosen].method, BakeMethod::adaptive);
   EXPECT_LE(surface_error(scene, selection.baked, ErrorSpace::display).max_sampled, 1.0 / 255);
-  EXPECT_NE(selection.sentence.find("642 -> "), std::string::npos) << selection.sentence;
+  EXPECT_NE(selection.sentence.find("642 → "), std::string::npos) << selection.sentence;
   for (const MethodTrial& trial : selection.trials) EXPECT_GE(trial.max_bound, trial.max_found);
 }
 

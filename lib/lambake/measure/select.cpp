@@ -7,6 +7,7 @@
 #include <cmath>
 #include <tuple>
 
+#include "lambake/core/digits.h"
 #include "lambake/measure/bound.h"
 #include "lambake/measure/surface_error.h"
 
@@ -19,17 +20,26 @@ std::size_t bytes_of(const Mesh& mesh) {
 }
 
 std::string steps(double error) {
-  return std::isfinite(error) ? fmt::format("{:.2g}/255", error * 255) : "no bound";
+  return std::isfinite(error) ? fmt::format("{:.3g}/255", error * 255) : "no bound";
 }
 
 std::string verdict(const Selection& selection, const BakeOptions& options, std::size_t n_vertices) {
   const MethodTrial& best = selection.trials[selection.chosen];
+  const std::string count = group_digits(best.n_vertices);
+  // Where storage alone spoils the result, light per pixel is not what is missing.
+  for (const Finding& finding : selection.baked.findings)
+    if (finding.code == "triangles_open_by_storage" && selection.baked.certificate &&
+        finding.count == selection.baked.certificate->open_triangles)
+      return fmt::format(
+          "{} → {} vertices would do for {}, but the output clips bright colours: up to {} off; "
+          "lower the exposure",
+          group_digits(n_vertices), count, steps(options.tolerance), steps(best.max_bound));
   if (!selection.is_certified)
     return fmt::format("per-pixel lighting is needed: even {} vertices leave up to {} where {} is asked",
-                       best.n_vertices, steps(best.max_bound), steps(options.tolerance));
+                       count, steps(best.max_bound), steps(options.tolerance));
   if (best.method == BakeMethod::adaptive)
-    return fmt::format("{} -> {} vertices for at most {} anywhere; per-pixel lighting is not needed",
-                       n_vertices, best.n_vertices, steps(best.max_bound));
+    return fmt::format("{} → {} vertices for at most {} anywhere; per-pixel lighting is not needed",
+                       group_digits(n_vertices), count, steps(best.max_bound));
   return fmt::format("{} suffices: at most {} anywhere", name_of(best.method), steps(best.max_bound));
 }
 
