@@ -109,7 +109,7 @@ void run() {
       "pixels", {1e5, 1e6, 1e7, 3.3e7}, {"visibility", "shading per fragment, 4 lamps"}, [](double n) {
         const Scene scene = floor_scene(100, 4);
         const auto side = static_cast<std::uint32_t>(std::lround(std::sqrt(n)));
-        const Camera camera = frame(bounds_of(scene.mesh.positions), 1);
+        const Camera camera = frame(scene.mesh.positions, 1);
         Visibility visibility;
         const double seen =
             time_of([&] { visibility = find_visibility(scene, scene.mesh, camera, side, side); }).processor;
