@@ -200,7 +200,7 @@ int compare_and_write(const CompareCommand& command, const std::string& command_
   console.stage("certified bound");
   // Triangles that cannot be worse than the worst place found need no closer look.
   const auto bound_in = [&](ErrorSpace space, const SurfaceError& error) {
-    return surface_bound(scene, baked, {.space = space, .accept = error.max_sampled}).max_bound;
+    return certified_maximum(scene, baked, space, error.max_sampled);
   };
   comparison.max_bound_linear = bound_in(ErrorSpace::linear, comparison.surface_linear);
   comparison.max_bound_display = bound_in(ErrorSpace::display, comparison.surface_display);

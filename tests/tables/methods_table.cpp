@@ -76,8 +76,7 @@ void print_row(const Scene& scene, const std::string& name, const BakeOptions& o
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
   const Mesh& mesh = mesh_of(scene, baked);
   const SurfaceError error = surface_error(scene, baked, ErrorSpace::display);
-  const double bound =
-      baked.certificate ? baked.certificate->max_bound : surface_bound(scene, baked, {}).max_bound;
+  const double bound = certified_maximum(scene, baked, ErrorSpace::display);
   fmt::print("| {} | {} | {} | {:.3f} | {:.2f} | {:.2f} | {:.2f} |\n", name, mesh.n_vertices(),
              mesh.n_triangles(), 255 * error.rmse, 255 * error.max_sampled, 255 * bound, seconds.count());
   std::fflush(stdout);

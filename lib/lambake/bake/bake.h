@@ -26,6 +26,7 @@ enum class BakeMethod {
 
 /// What a method that cuts can promise of its result.
 struct Certificate {
+  ErrorSpace space = ErrorSpace::display;  ///< Where its errors are meant.
   bool is_certified = false;         ///< The bound is at most the tolerance on every triangle.
   double max_bound = 0;              ///< The largest bound of a triangle; infinite if one has none.
   std::size_t open_triangles = 0;    ///< With a bound above the tolerance.

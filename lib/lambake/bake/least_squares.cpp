@@ -81,8 +81,7 @@ glm::dmat3 moments(const Patch& patch, const std::vector<Light>& all) {
   constexpr std::size_t most_parts = 16;
   std::vector<std::uint32_t> lights;
   std::vector<glm::dmat3> parts{glm::dmat3(1.0)}, next;
-  for (std::uint32_t i = 0; i < all.size(); ++i)
-    if (!is_unreached(all[i], patch)) lights.push_back(i);
+  find_reaching_lights(all, patch, lights);
   for (const std::uint32_t i : lights) {
     next.clear();
     for (const glm::dmat3& part : parts) cut_at_terminator(all[i], patch, part, next);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 
@@ -60,6 +61,18 @@ Real srgb_decode(Real encoded) {
 
 /// Where colours are compared: as they are, or as a screen shows them (sRGB-encoded, clamped to [0,1]).
 enum class ErrorSpace { linear, display };
+
+/// A linear channel as it is compared in `space`.
+template <typename Real>
+Real compared(Real linear, ErrorSpace space) {
+  return space == ErrorSpace::linear ? linear : srgb_encode(std::clamp(linear, Real(0), Real(1)));
+}
+
+/// The linear channel, in [0,1] on screen, that compared() maps there.
+template <typename Real>
+Real compared_inverse(Real value, ErrorSpace space) {
+  return space == ErrorSpace::linear ? value : srgb_decode(std::clamp(value, Real(0), Real(1)));
+}
 
 /// Encoded, clamped to [0,1] and rounded to the nearest of 256 steps; NaN becomes 0.
 inline std::uint8_t srgb8_channel(float linear) {

@@ -20,9 +20,7 @@ SurfaceBound surface_bound(const Scene& scene, const BakedColors& baked, const B
       const Patch patch = surface.patch(f);
       const double area = glm::length(ComparedSurface::area_vector(patch));
       if (!(area > 0) || !std::isfinite(area)) continue;
-      lights.clear();
-      for (std::uint32_t i = 0; i < scene.lights.size(); ++i)
-        if (!is_unreached(scene.lights[i], patch)) lights.push_back(i);
+      find_reaching_lights(scene.lights, patch, lights);
       bounds[f] = bound_patch(patch, surface.finish_range(f), scene.lights, lights, options);
     }
   });
@@ -47,6 +45,11 @@ SurfaceBound surface_bound(const Scene& scene, const BakedColors& baked, const B
   result.worst.position = surface.patch(worst).positions * bounds[worst].found_at;
   result.worst.error = bounds[worst].found;
   return result;
+}
+
+double certified_maximum(const Scene& scene, const BakedColors& baked, ErrorSpace space, double accept) {
+  if (baked.certificate && baked.certificate->space == space) return baked.certificate->max_bound;
+  return surface_bound(scene, baked, {.space = space, .accept = accept}).max_bound;
 }
 
 }  // namespace lambake

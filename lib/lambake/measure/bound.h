@@ -25,4 +25,9 @@ struct SurfaceBound {
 /// triangles × lights; deterministic for any number of threads.
 SurfaceBound surface_bound(const Scene& scene, const BakedColors& baked, const BoundOptions& options);
 
+/// An upper bound of the largest error of the surface: what the method certifies, where it does so in this
+/// space, otherwise that of surface_bound().
+/// @param accept  A bound this small need not be improved: an error that is known to be there.
+double certified_maximum(const Scene& scene, const BakedColors& baked, ErrorSpace space, double accept = 0);
+
 }  // namespace lambake

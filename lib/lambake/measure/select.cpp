@@ -86,11 +86,7 @@ Selection select_method(const Scene& scene, const BakeOptions& options) {
     const SurfaceError error = surface_error(scene, baked, options.tolerance_space);
     trial.rmse = error.rmse;
     trial.max_found = error.max_sampled;
-    trial.max_bound =
-        baked.certificate
-            ? baked.certificate->max_bound
-            : surface_bound(scene, baked, {.space = options.tolerance_space, .accept = error.max_sampled})
-                  .max_bound;
+    trial.max_bound = certified_maximum(scene, baked, options.tolerance_space, error.max_sampled);
     trial.is_certified = trial.max_bound <= options.tolerance;
     selection.trials.push_back(trial);
     const bool is_last = method == BakeMethod::adaptive;

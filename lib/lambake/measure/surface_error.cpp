@@ -37,10 +37,6 @@ struct Sums {
   }
 };
 
-double on_screen(double linear) {
-  return srgb_encode(std::clamp(linear, 0.0, 1.0));
-}
-
 /// G − F on one triangle.
 class TriangleError {
  public:
@@ -51,10 +47,7 @@ class TriangleError {
         patch_(surface.patch(triangle)),
         has_texture_(surface.has_texture(triangle)),
         finish_(surface.finish_at(triangle, glm::dvec3(1.0 / 3))) {
-    const std::vector<Light>& lights = surface.scene().lights;
-    if (finish_.is_unlit) return;
-    for (std::uint32_t i = 0; i < lights.size(); ++i)
-      if (!is_unreached(lights[i], patch_)) lights_.push_back(i);
+    if (!finish_.is_unlit) find_reaching_lights(surface.scene().lights, patch_, lights_);
   }
 
   glm::dvec3 operator()(const glm::dvec3& b) const {
@@ -64,8 +57,8 @@ class TriangleError {
     if (space_ == ErrorSpace::linear) return finish.base * (g - f);
     glm::dvec3 error;
     for (int c = 0; c < 3; ++c)
-      error[c] = on_screen(finish.emission[c] + finish.base[c] * g[c]) -
-                 on_screen(finish.emission[c] + finish.base[c] * f[c]);
+      error[c] = compared(finish.emission[c] + finish.base[c] * g[c], space_) -
+                 compared(finish.emission[c] + finish.base[c] * f[c], space_);
     return error;
   }
 

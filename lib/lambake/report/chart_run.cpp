@@ -131,7 +131,7 @@ MethodRun measure_method(const Scene& scene, const Variant& variant, double seco
   const SurfaceError error = surface_error(scene, baked, ErrorSpace::display);
   run.rmse = error.rmse;
   run.max_sampled = error.max_sampled;
-  run.max_bound = surface_bound(scene, baked, {.space = ErrorSpace::display}).max_bound;
+  run.max_bound = certified_maximum(scene, baked, ErrorSpace::display);
   return run;
 }
 

@@ -83,6 +83,14 @@ inline bool is_unreached(const Light& light, const Patch& patch) {
   return true;
 }
 
+/// The indices of the lights that may reach the patch, ascending, in place of what `indices` holds.
+inline void find_reaching_lights(std::span<const Light> lights, const Patch& patch,
+                                 std::vector<std::uint32_t>& indices) {
+  indices.clear();
+  for (std::uint32_t i = 0; i < lights.size(); ++i)
+    if (!is_unreached(lights[i], patch)) indices.push_back(i);
+}
+
 /// Where N·(p_i − p) is 0 between corner i (t = 0) and corner j (t = 1) of the patch, whose values there have
 /// opposite signs. The root of the quadratic with Bernstein coefficients s0, s01, s1; a straight line for a
 /// directional light.

@@ -1,0 +1,87 @@
+#include "lambake/bake/cut_colors.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "lambake/core/parallel.h"
+
+namespace lambake {
+namespace {
+
+constexpr std::size_t block_size = 64;
+
+}  // namespace
+
+CutColors::CutColors(const Scene& scene, const BakeOptions& options, const CutMesh& cut)
+    : scene_(scene), options_(options), cut_(cut), all_lights_(scene.lights.size()) {
+  std::iota(all_lights_.begin(), all_lights_.end(), 0U);
+  is_unlit_.resize(scene.mesh.n_vertices(), false);
+  for (std::size_t f = 0; f < scene.mesh.n_triangles(); ++f)
+    if (scene.materials[scene.mesh.material_of(f)].is_unlit)
+      for (int c = 0; c < 3; ++c) is_unlit_[scene.mesh.triangles[f][c]] = true;
+  add_new_vertices();
+}
+
+void CutColors::add_new_vertices() {
+  const std::size_t first = colors_.size(), n = cut_.mesh().n_vertices();
+  for (std::size_t i = is_unlit_.size(); i < n; ++i) {
+    const EdgeCut& cut = cut_.cuts()[i - cut_.n_uncut_vertices()];
+    is_unlit_.push_back(is_unlit_[cut.a] && is_unlit_[cut.b]);
+  }
+  colors_.resize(n), exact_.resize(n), rises_.resize(n, glm::vec3(0)), falls_.resize(n, glm::vec3(0));
+  if (options_.as_stored) stored_.resize(n), is_spoilt_.resize(n, false);
+  parallel_blocks(n - first, block_size, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t v = first + begin; v < first + end; ++v) {
+      Patch point;
+      point.positions[0] = cut_.positions()[v];
+      point.normals[0] = cut_.normals()[v];
+      if (!cut_.albedos().empty()) point.albedos[0] = cut_.albedos()[v];
+      const glm::vec3 c(reference_at(point, scene_.lights, all_lights_, is_unlit_[v], glm::dvec3(1, 0, 0)));
+      exact_[v] = {c.r, c.g, c.b};
+      move(v);
+    }
+  });
+}
+
+Patch CutColors::patch(const glm::uvec3& t) const {
+  Patch patch;
+  for (int c = 0; c < 3; ++c) {
+    patch.positions[c] = cut_.positions()[t[c]];
+    patch.normals[c] = cut_.normals()[t[c]];
+    if (!cut_.albedos().empty()) patch.albedos[c] = cut_.albedos()[t[c]];
+    patch.colors[c] = {colors_[t[c]].r, colors_[t[c]].g, colors_[t[c]].b};
+  }
+  return patch;
+}
+
+bool CutColors::ask(std::size_t v, const glm::vec3& shift) {
+  const glm::vec3 rise = glm::max(rises_[v], shift), fall = glm::min(falls_[v], shift);
+  const bool is_new = rise != rises_[v] || fall != falls_[v];
+  rises_[v] = rise, falls_[v] = fall;
+  return is_new;
+}
+
+void CutColors::move(std::size_t v) {
+  const glm::vec3 shift = rises_[v] + falls_[v];
+  colors_[v] = exact_[v] + LinearRgb{shift.r, shift.g, shift.b};
+  if (!options_.as_stored) return;
+  stored_[v] = options_.as_stored(colors_[v]);
+  is_spoilt_[v] = spoils(colors_[v], stored_[v]);
+  if (!is_spoilt_[v]) colors_[v] = stored_[v];
+}
+
+bool CutColors::spoils(const LinearRgb& color, const LinearRgb& stored) const {
+  const auto loss = [&](double was, double is) {
+    return options_.tolerance_space == ErrorSpace::linear ? std::abs(was - is)
+                                                          : std::abs(srgb_encode(was) - srgb_encode(is));
+  };
+  return std::max({loss(color.r, stored.r), loss(color.g, stored.g), loss(color.b, stored.b)}) >
+         0.25 * options_.tolerance;
+}
+
+void CutColors::take_stored() {
+  if (options_.as_stored) colors_ = stored_;
+}
+
+}  // namespace lambake

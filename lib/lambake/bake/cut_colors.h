@@ -1,0 +1,58 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "lambake/bake/bake.h"
+#include "lambake/geometry/cutting.h"
+#include "lambake/shading/patch.h"
+
+namespace lambake {
+
+/// The colours of a mesh that is being cut; internal to the folder. Each vertex has the reference there,
+/// moved by what balancing has asked for, as the output stores it.
+///
+/// Where the output spoils a colour (clips it, or rounds away more than a quarter of the tolerance), no cut
+/// around the vertex can mend that, so cuts are chosen for the colour as it should be.
+class CutColors {
+ public:
+  /// The arguments must outlive it. V' is always that of `cut`.
+  CutColors(const Scene& scene, const BakeOptions& options, const CutMesh& cut);
+
+  /// Gives the vertices that `cut` has made since the last call their colours.
+  void add_new_vertices();
+
+  /// The triangle of the vertices `t`, with the colours that it has now.
+  Patch patch(const glm::uvec3& t) const;
+  /// The reference at the vertex.
+  const LinearRgb& exact(std::size_t v) const { return exact_[v]; }
+
+  /// Asks for the colour of `v` to be `shift` off the reference. Of all that was asked of a vertex, the
+  /// largest rise and the largest fall of a channel count, added. @returns whether that changes it.
+  bool ask(std::size_t v, const glm::vec3& shift);
+  /// Does what was asked of `v`.
+  void move(std::size_t v);
+
+  bool is_spoilt(std::size_t v) const { return !is_spoilt_.empty() && is_spoilt_[v]; }
+  /// Puts the colours as the output stores them everywhere, spoilt ones too.
+  void take_stored();
+  std::vector<LinearRgb> take_colors() { return std::move(colors_); }
+
+ private:
+  bool spoils(const LinearRgb& color, const LinearRgb& stored) const;
+
+  const Scene& scene_;
+  const BakeOptions& options_;
+  const CutMesh& cut_;
+  std::vector<std::uint32_t> all_lights_;
+  std::vector<char> is_unlit_;            ///< V'
+  std::vector<LinearRgb> exact_;          ///< V'
+  std::vector<LinearRgb> colors_;         ///< V'
+  std::vector<glm::vec3> rises_, falls_;  ///< V'; >= 0 and <= 0.
+  std::vector<LinearRgb> stored_;         ///< V', if the output stores colours otherwise.
+  std::vector<char> is_spoilt_;           ///< V', with `stored_`.
+};
+
+}  // namespace lambake
