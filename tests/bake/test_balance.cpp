@@ -76,18 +76,18 @@ TEST(Balance, ErrorsOfMoreThanTwiceWhatIsAllowed_MoveNothing) {
               glm::dmat3(0.0));
 }
 
-// n·ω runs from -1/4 to 3/4 along the side: the kink is at a quarter, where it leaves 3/16 (docs/bound.md).
+// n·ω runs from -0.3 to 0.7 along the side: the kink is at 0.3, where the colours are at 0.3 of the lit end's.
 TEST(SideError, TerminatorAcrossASide_IsFoundWithItsError) {
   const std::vector<Light> lights{sun({0, 1, 0})};
   Patch patch;
   patch.positions = {glm::dvec3(0), glm::dvec3(1, 0, 0), glm::dvec3(1, 0, 0)};
-  patch.normals[0] = {1, -0.25, 0};  // of equal length at both ends, and nearly between them
-  patch.normals[1] = patch.normals[2] = {1, 0.75, 0};
+  patch.normals[0] = {1, -0.3, 0};
+  patch.normals[1] = patch.normals[2] = {1, 0.7, 0};
   const glm::dvec3 lit = reference_at(patch, lights, only_light, false, {0, 1, 0});
   patch.colors = {glm::dvec3(0), lit, lit};
   const SideError side = side_error(patch, {}, lights, only_light, ErrorSpace::linear);
-  EXPECT_NEAR(side.t, 0.25, 1e-12);
-  EXPECT_NEAR(side.error, 0.25 * lit[0], 1e-12);
+  EXPECT_NEAR(side.t, 0.3, 1e-12);
+  EXPECT_NEAR(side.error, 0.3 * lit[0], 1e-12);
   EXPECT_NEAR(side.bulge, side.error, 1e-12);
 }
 
