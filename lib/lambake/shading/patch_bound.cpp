@@ -51,17 +51,37 @@ Enclosure cone_over(const Light& light, const glm::dmat3& to_light, const Enclos
   return ramp * ramp;
 }
 
-}  // namespace
+/// The steepest that the screen's curve is from `x` on, to within 8 %: a step function of its slope.
+double steepest_from(double x) {
+  constexpr int n_octaves = 9, n_steps = 8;  // from 2^-9, which is on the straight piece
+  static const auto slopes = [] {
+    std::array<double, n_octaves * n_steps> table{};
+    for (int i = 0; i < n_octaves * n_steps; ++i) {
+      const double at = std::ldexp(1 + double(i % n_steps) / n_steps, i / n_steps - n_octaves);
+      table[static_cast<std::size_t>(i)] =
+          at <= 0.0031308 ? 12.92 : 1.055 / 2.4 * std::pow(at, 1 / 2.4 - 1) * (1 + 1e-12);
+    }
+    return table;
+  }();
+  if (!(x > 0x1p-9)) return 12.92;
+  if (x >= 1) return 0;
+  int exponent = 0;
+  const double mantissa = 2 * std::frexp(x, &exponent);  // in [1, 2)
+  return slopes[static_cast<std::size_t>((exponent - 1 + n_octaves) * n_steps +
+                                         static_cast<int>((mantissa - 1) * n_steps))];
+}
 
-Enclosure received_over(const Light& light, const Patch& patch, const Enclosure& inverse_length,
-                        bool has_normal) {
+/// Encloses max(0, N·ω)·f(d) of one light over a patch: ‖N‖ times what it receives, or with `has_normal`
+/// false just what it receives. Infinite where it has no bound.
+/// @param longest  at least the longest normal of the patch; 1 with `has_normal` false.
+Enclosure received_over(const Light& light, const Patch& patch, bool has_normal, double longest) {
   const glm::dmat3& n = patch.normals;
   if (light.type == LightType::directional) {
     const glm::dvec3 w(light.direction_to_light);
     const Enclosure s = dot(n, glm::dmat3(w, w, w));
     if (range(s).high <= 0) return {};
     // n·ω is at most |ω|, which is 1 up to the rounding of its three floats.
-    return has_normal ? positive_part(s) * inverse_length : anything_in({0, 1 + 1e-6});
+    return has_normal ? positive_part(s) : anything_in({0, 1 + 1e-6});
   }
   const glm::dvec3 at(light.position);
   const glm::dmat3 to_light(at - patch.positions[0], at - patch.positions[1], at - patch.positions[2]);
@@ -72,12 +92,13 @@ Enclosure received_over(const Light& light, const Patch& patch, const Enclosure&
   if (reach > 0 && distances.low >= reach * reach) return {};
 
   const double k = light.decay;
-  if (!(distances.low > 0)) return anything_in({0, k == 0 ? 1 : infinity});
-  const double most = std::pow(distances.low, -0.5 * k) * (1 + 1e-12);
+  if (!(distances.low > 0)) return anything_in({0, k == 0 ? longest * (1 + 1e-12) : infinity});
+  const double most =
+      longest * (k == 2 ? 1 / distances.low : std::pow(distances.low, -0.5 * k)) * (1 + 1e-12);
   if (!is_positive(distance_squared)) return anything_in({0, most});
   Enclosure value;
   if (has_normal) {
-    value = positive_part(s) * inverse_length * power(distance_squared, -0.5 * (k + 1));
+    value = positive_part(s) * power(distance_squared, -0.5 * (k + 1));
   } else {
     value = anything_in({0, 1});
     if (k > 0) value = value * power(distance_squared, -0.5 * k);
@@ -88,8 +109,6 @@ Enclosure received_over(const Light& light, const Patch& patch, const Enclosure&
   const Interval values = range(value);
   return values.high - values.low > most ? anything_in({0, most}) : value;
 }
-
-namespace {
 
 /// A part of the patch and the bound over it.
 struct Part {
@@ -121,14 +140,20 @@ class Bounder {
       : patch_(patch), finish_(finish), all_(all), lights_(lights), options_(options) {
     const glm::dmat3& a = patch.albedos;
     has_albedo_ = a[0] != a[1] || a[1] != a[2];
+    for (int c = 0; c < 3; ++c) {
+      bool is_new = true;
+      for (int i = 0; i < n_channels_; ++i) is_new &= !is_same_channel(c, channels_[i]);
+      if (is_new) channels_[n_channels_++] = c;
+    }
   }
 
   PatchBound run() {
-    std::priority_queue<Part> parts;
-    parts.push(make_part(glm::dmat3(1.0)));
-    result_.bound = parts.top().bound;
+    const Part whole = make_part(glm::dmat3(1.0));
+    result_.bound = whole.bound;
     if (result_.bound <= options_.accept) return result_;
     look(glm::dmat3(1.0));
+    std::priority_queue<Part> parts;
+    parts.push(whole);
     std::vector<glm::dmat3> pieces;
     for (int n = 1; n < options_.max_parts && !is_good_enough(); n += static_cast<int>(pieces.size())) {
       const Part part = parts.top();
@@ -154,6 +179,20 @@ class Bounder {
            result_.bound <= options_.tightness * result_.found + 1e-7;
   }
 
+  /// Whether what is seen in channel a is what is seen in channel b, so that one of them is enough.
+  bool is_same_channel(int a, int b) const {
+    for (const std::uint32_t i : lights_) {
+      const glm::vec3 intensity(all_[i].intensity.r, all_[i].intensity.g, all_[i].intensity.b);
+      if (intensity[a] != intensity[b]) return false;
+    }
+    for (int k = 0; k < 3; ++k)
+      if (patch_.albedos[k][a] != patch_.albedos[k][b] || patch_.colors[k][a] != patch_.colors[k][b])
+        return false;
+    return finish_.base_low[a] == finish_.base_low[b] && finish_.base_high[a] == finish_.base_high[b] &&
+           finish_.emission_low[a] == finish_.emission_low[b] &&
+           finish_.emission_high[a] == finish_.emission_high[b];
+  }
+
   static void bisect(const Part& part, std::vector<glm::dmat3>& pieces) {
     pieces.clear();
     const int i = part.longest_side, j = (i + 1) % 3, k = (i + 2) % 3;
@@ -168,13 +207,16 @@ class Bounder {
          {corners[0], corners[1], corners[2], (corners[0] + corners[1] + corners[2]) / 3.0}) {
       const glm::dvec3 f = reference_at(patch_, all_, lights_, finish_.is_unlit, b);
       const glm::dvec3 g = patch_.colors * b;
-      for (int c = 0; c < 3; ++c) {
+      for (int i = 0; i < n_channels_; ++i) {
         // Found is found with any finish within its range.
+        const int c = channels_[i];
         const double base = finish_.base_low[c], emission = finish_.emission_low[c];
         double e = base * std::abs(f[c] - g[c]);
-        if (options_.space == ErrorSpace::display)
-          e = std::abs(srgb_encode(std::clamp(emission + base * f[c], 0.0, 1.0)) -
-                       srgb_encode(std::clamp(emission + base * g[c], 0.0, 1.0)));
+        if (options_.space == ErrorSpace::display) {
+          if (steepest_from(emission + base * std::min(f[c], g[c])) * e <= result_.found) continue;
+          e = std::abs(compared(emission + base * f[c], options_.space) -
+                       compared(emission + base * g[c], options_.space));
+        }
         if (e > result_.found) result_.found = e, result_.found_at = b;
       }
     }
@@ -189,28 +231,41 @@ class Bounder {
     } else {
       const Enclosure length_squared = dot(patch.normals, patch.normals);
       const bool has_normal = is_positive(length_squared);
-      const Enclosure inverse_length = has_normal ? power(length_squared, -0.5) : Enclosure{};
+      const double longest = has_normal
+                                 ? std::sqrt(std::max({length_squared.linear[0], length_squared.linear[1],
+                                                       length_squared.linear[2]})) *
+                                       (1 + 1e-12)
+                                 : 1;
       double worst_kink = 0;
       for (const std::uint32_t i : lights_) {
-        const Enclosure r = received_over(all_[i], patch, inverse_length, has_normal);
+        const Enclosure r = received_over(all_[i], patch, has_normal, longest);
         if (r.high == infinity) {
           part.bound = infinity;
           part.longest_side = longest_side(patch);
           return part;
         }
-        const LinearRgb& intensity = all_[i].intensity;
-        light[0] = light[0] + intensity.r * r;
-        light[1] = light[1] + intensity.g * r;
-        light[2] = light[2] + intensity.b * r;
+        const glm::vec3 intensity(all_[i].intensity.r, all_[i].intensity.g, all_[i].intensity.b);
+        for (int k = 0; k < n_channels_; ++k) {
+          Enclosure& sum = light[static_cast<std::size_t>(channels_[k])];
+          sum = sum + intensity[channels_[k]] * r;
+        }
         const double kink = -r.low * std::max({intensity.r, intensity.g, intensity.b});
         if (kink > worst_kink && is_crossed(all_[i], patch)) worst_kink = kink, part.kink_light = i;
+      }
+      if (has_normal) {
+        const Enclosure inverse_length = power(length_squared, -0.5);
+        for (int k = 0; k < n_channels_; ++k) {
+          Enclosure& sum = light[static_cast<std::size_t>(channels_[k])];
+          sum = sum * inverse_length;
+        }
       }
       double widest = 0;
       for (const Enclosure& e : light) widest = std::max(widest, e.high - e.low);
       if (worst_kink < 0.3 * widest) part.kink_light = no_light;
     }
     std::array<double, 3> variation{};
-    for (int c = 0; c < 3; ++c) {
+    for (int i = 0; i < n_channels_; ++i) {
+      const int c = channels_[i];
       const glm::dmat3& a = patch.albedos;
       Enclosure f = light[static_cast<std::size_t>(c)];
       if (has_albedo_) {
@@ -245,6 +300,11 @@ class Bounder {
     const double low = finish_.emission_low[c], high = finish_.emission_high[c];
     const double low_f = low + b0 * f.low, high_f = high + b1 * f.high;
     const double low_g = low + std::min(b0 * g0, b1 * g0), high_g = high + std::max(b0 * g1, b1 * g1);
+    // Most triangles are far below what is accepted: no power is needed to see that.
+    const double rise = std::max(high_e, 0.0), fall = std::max(-low_e, 0.0);
+    const double at_most = 4e-8 + std::max(steepest_from(std::max(low_g, low_f - rise)) * rise,
+                                           steepest_from(std::max(low_f, low_g - fall)) * fall);
+    if (at_most <= options_.accept) return at_most;
     return std::max(screen_gap(low_f, high_f, low_g, high_g, high_e),
                     screen_gap(low_g, high_g, low_f, high_f, -low_e));
   }
@@ -274,6 +334,7 @@ class Bounder {
   std::span<const std::uint32_t> lights_;
   const BoundOptions& options_;
   bool has_albedo_ = false;
+  int channels_[3] = {}, n_channels_ = 0;  ///< Those that differ from each other.
   PatchBound result_;
 };
 

@@ -33,9 +33,4 @@ struct PatchBound {
 PatchBound bound_patch(const Patch& patch, const FinishRange& finish, std::span<const Light> all,
                        std::span<const std::uint32_t> lights, const BoundOptions& options);
 
-/// Encloses max(0, n·ω)·f(d) of one light over a patch. Infinite where it has no bound.
-/// @param inverse_length  enclosure of 1/‖N‖, or anything if `has_normal` is false.
-Enclosure received_over(const Light& light, const Patch& patch, const Enclosure& inverse_length,
-                        bool has_normal);
-
 }  // namespace lambake
