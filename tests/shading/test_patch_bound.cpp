@@ -71,8 +71,8 @@ Patch random_patch(Random& random) {
     if (random.below(64) == 0) normal = -patch.normals[0] + 1e-3 * random.unit();  // vanishes inside
     if (random.below(64) == 0) normal = glm::dvec3(0);
     const double length = glm::length(normal);
-    // Not unit, as inside a larger triangle.
-    patch.normals[c] = length > 0 ? normal / length * random(0.7, 1) : normal;
+    // Not unit, as inside a larger triangle; a file may have them longer as well.
+    patch.normals[c] = length > 0 ? normal / length * random(0.7, 1.3) : normal;
     if (random.below(2) == 0) patch.albedos[c] = {random(0, 1), random(0, 1), 1};
   }
   return patch;
