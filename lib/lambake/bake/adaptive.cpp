@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <tuple>
 #include <vector>
 
@@ -300,23 +301,33 @@ class AdaptiveBake {
     cut_.make_vertices(marks);
     colors_.add_new_vertices();
     FinishRange plain;
-    std::vector<std::uint32_t> changed = cut_.split([&](std::uint32_t a, std::uint32_t b) {
-      const glm::dvec3 d = cut_.positions()[a] - cut_.positions()[b];
-      return error_between(a, b, plain).error + 1e-6 * glm::length(d);
-    });
+    // Of two diagonals the one that shows less; if that is little, the one that leaves no slivers.
+    std::vector<std::uint32_t> changed =
+        cut_.split([&](std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) {
+          const double ac = error_between(a, c, plain).error, bd = error_between(b, d, plain).error;
+          if (std::max(ac, bd) > 0.25 * options_.tolerance) return ac < bd;
+          return std::min(sharpest_corner({a, b, c}), sharpest_corner({a, c, d})) >
+                 std::min(sharpest_corner({a, b, d}), sharpest_corner({b, c, d}));
+        });
     bounds_.resize(cut_.mesh().n_triangles(), infinity);
     return changed;
   }
 
+  /// The smallest angle of a triangle in radians; π/3 if it has no area.
+  double sharpest_corner(const glm::uvec3& t) const {
+    double smallest = std::numbers::pi / 3;
+    for (int c = 0; c < 3; ++c) {
+      const glm::dvec3 p = cut_.positions()[t[c]], a = cut_.positions()[t[(c + 1) % 3]] - p,
+                       b = cut_.positions()[t[(c + 2) % 3]] - p;
+      const double sine = glm::length(glm::cross(a, b));
+      if (sine > 0 && std::isfinite(sine)) smallest = std::min(smallest, std::atan2(sine, glm::dot(a, b)));
+    }
+    return smallest;
+  }
+
   double smallest_angle() const {
-    double smallest = 3.141592653589793 / 3;
-    for (const glm::uvec3& t : cut_.mesh().triangles)
-      for (int c = 0; c < 3; ++c) {
-        const glm::dvec3 p = cut_.positions()[t[c]], a = cut_.positions()[t[(c + 1) % 3]] - p,
-                         b = cut_.positions()[t[(c + 2) % 3]] - p;
-        const double sine = glm::length(glm::cross(a, b));
-        if (sine > 0 && std::isfinite(sine)) smallest = std::min(smallest, std::atan2(sine, glm::dot(a, b)));
-      }
+    double smallest = std::numbers::pi / 3;
+    for (const glm::uvec3& t : cut_.mesh().triangles) smallest = std::min(smallest, sharpest_corner(t));
     return smallest;
   }
 

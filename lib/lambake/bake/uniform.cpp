@@ -31,7 +31,7 @@ BakedColors bake_uniform(const Scene& scene, const BakeOptions& options) {
     marks.reserve(edges.size());
     for (const auto& [low, high] : edges) marks.push_back({low, high, 0.5f});
     cut.make_vertices(marks);
-    cut.split([](std::uint32_t, std::uint32_t) { return 0.0; });
+    cut.split([](auto...) { return false; });
     report_progress(options.progress, "cutting", (level + 1.0) / options.levels);
   }
   BakedColors baked;

@@ -122,7 +122,8 @@ void CutMesh::make_vertices(std::span<const CutMark> marks) {
   n_places_ += static_cast<std::uint32_t>(marks.size());
 }
 
-std::vector<std::uint32_t> CutMesh::split(const std::function<double(std::uint32_t, std::uint32_t)>& cost) {
+std::vector<std::uint32_t> CutMesh::split(
+    const std::function<bool(std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t)>& cuts_ac) {
   std::vector<std::uint32_t> changed;
   const auto replace = [&](std::uint32_t f, const glm::uvec3& t) {
     mesh_.triangles[f] = t;
@@ -160,7 +161,7 @@ std::vector<std::uint32_t> CutMesh::split(const std::function<double(std::uint32
       append(f, m[0], v[1], v[2]);
     } else if (n_cut == 2) {
       replace(f, {m[0], v[1], m[1]});
-      if (cost(v[0], m[1]) < cost(m[0], v[2])) {
+      if (cuts_ac(v[0], m[0], m[1], v[2])) {
         append(f, v[0], m[0], m[1]);
         append(f, v[0], m[1], v[2]);
       } else {

@@ -40,10 +40,11 @@ class CutMesh {
 
   /// Makes the vertices of the marked edges (each named once). Must be followed by split().
   void make_vertices(std::span<const CutMark> marks);
-  /// Divides the triangles around the vertices just made. Where two ways are open, the diagonal of lower
-  /// `cost` between two vertices is taken.
+  /// Divides the triangles around the vertices just made. Two cuts leave a quadrilateral a, b, c, d (in its
+  /// winding); `cuts_ac` says whether it is divided along a–c rather than b–d.
   /// @returns the triangles that are new or changed, ascending.
-  std::vector<std::uint32_t> split(const std::function<double(std::uint32_t, std::uint32_t)>& cost);
+  std::vector<std::uint32_t> split(
+      const std::function<bool(std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t)>& cuts_ac);
 
   Mesh take_mesh() { return std::move(mesh_); }
 

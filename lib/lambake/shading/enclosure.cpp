@@ -8,10 +8,11 @@ Interval times(const Interval& a, const Interval& b) {
   return {*std::min_element(products, products + 4), *std::max_element(products, products + 4)};
 }
 
-double power_of(double x, double exponent) {
-  if (exponent == -0.5) return 1 / std::sqrt(x);
-  if (exponent == -1.0) return 1 / x;
-  if (exponent == -1.5) return 1 / (x * std::sqrt(x));
+/// x^exponent, given 1/x.
+double power_of(double x, double inverse, double exponent) {
+  if (exponent == -0.5) return std::sqrt(inverse);
+  if (exponent == -1.0) return inverse;
+  if (exponent == -1.5) return inverse * std::sqrt(inverse);
   return std::pow(x, exponent);
 }
 
@@ -57,18 +58,26 @@ Enclosure operator*(const Enclosure& a, const Enclosure& b) {
   const double rest = spread_a * size_b + spread_b * size_a + size_a * size_b;
 
   // The polynomial parts times the other's interval, and the intervals times each other.
+  const double magnitude_a = magnitude(a), magnitude_b = magnitude(b);
+  const auto by_interval = [](const Enclosure& e, double size, const Interval& quadratic,
+                              const Interval& interval, double other_size) {
+    const double width = interval.high - interval.low;
+    if (width < 0x1p-40 * other_size) return Interval{-size * width, size * width};  // roundings alone
+    Enclosure polynomial = e;
+    polynomial.low = polynomial.high = 0;
+    return times(range(polynomial, quadratic), interval);
+  };
   const Interval alpha{a.low, a.high}, beta{b.low, b.high};
-  Enclosure poly_a = a, poly_b = b;
-  poly_a.low = poly_a.high = poly_b.low = poly_b.high = 0;
-  const Interval ab = times(range(poly_a), beta), ba = times(range(poly_b), alpha), both = times(alpha, beta);
+  const Interval ab = by_interval(a, magnitude_a, qa, beta, magnitude_b);
+  const Interval ba = by_interval(b, magnitude_b, qb, alpha, magnitude_a), both = times(alpha, beta);
   product.low = ab.low + ba.low + both.low - rest;
   product.high = ab.high + ba.high + both.high + rest;
-  widen(product, magnitude(a) * magnitude(b));
+  widen(product, magnitude_a * magnitude_b);
   return product;
 }
 
 Enclosure positive_part(const Enclosure& a) {
-  const Interval values = range(a);
+  const Interval bend = quadratic_range(a), values = range(a, bend);
   if (values.low >= 0) return a;
   if (values.high <= 0) return {};
 
@@ -78,7 +87,6 @@ Enclosure positive_part(const Enclosure& a) {
     const double s = a.linear[k], t = a.linear[(k + 1) % 3];
     if (s * t < 0) kink = std::max(kink, -s * t / (std::abs(s) + std::abs(t)));
   }
-  const Interval bend = quadratic_range(a);
   const double low = std::min(0.0, bend.low + a.low), high = std::max(0.0, bend.high + a.high);
   const double width_of_kink = kink + high - low;
 
@@ -102,30 +110,33 @@ Enclosure positive_part(const Enclosure& a) {
 Enclosure power(const Enclosure& a, double exponent) {
   const double least = std::min({a.linear[0], a.linear[1], a.linear[2]});
   const double most = std::max({a.linear[0], a.linear[1], a.linear[2]});
-  const Interval values = range(a);
+  const Interval quadratic = quadratic_range(a), values = range(a, quadratic);
   const double low = std::min(values.low, least), high = std::max(values.high, most);
-  const double mean = (a.linear[0] + a.linear[1] + a.linear[2]) / 3;
-  const auto slope = [&](double x) { return exponent * power_of(x, exponent) / x; };
-  const auto bend = [&](double x) { return (exponent - 1) * slope(x) / x; };
-  const double slope_low = slope(low), slope_high = slope(high), slope_mean = slope(mean);
-  const double bend_low = (exponent - 1) * slope_low / low, bend_high = (exponent - 1) * slope_high / high;
-  const double bend_mean = bend(mean);
+  struct Derivatives {
+    double value, slope, bend;
+  };
+  const auto derivatives = [&](double x) {
+    const double inverse = 1 / x, value = power_of(x, inverse, exponent), slope = exponent * value * inverse;
+    return Derivatives{value, slope, (exponent - 1) * slope * inverse};
+  };
+  const Derivatives at_low = derivatives(low), at_high = derivatives(high);
+  const Derivatives at_mean = derivatives((a.linear[0] + a.linear[1] + a.linear[2]) / 3);
 
   Enclosure result;
   for (std::size_t k = 0; k < 3; ++k) {
     const double step = a.linear[(k + 1) % 3] - a.linear[k];
-    result.linear[k] = power_of(a.linear[k], exponent);
-    result.quadratic[k] = slope_mean * a.quadratic[k] - 0.5 * bend_mean * step * step;
+    result.linear[k] = power_of(a.linear[k], 1 / a.linear[k], exponent);
+    result.quadratic[k] = at_mean.slope * a.quadratic[k] - 0.5 * at_mean.bend * step * step;
   }
   const double variance = 0.25 * (most - least) * (most - least);
-  const Interval quadratic = quadratic_range(a);
   const Interval y{quadratic.low + a.low, quadratic.high + a.high};
-  const Interval deviation = times({slope_low - slope_mean, slope_high - slope_mean}, y);
-  result.low = slope_mean * a.high + std::min(0.0, deviation.low) - 0.5 * (bend_low - bend_mean) * variance;
-  result.high = slope_mean * a.low + std::max(0.0, deviation.high) + 0.5 * (bend_mean - bend_high) * variance;
-  const double top = power_of(low, exponent);
-  widen(result,
-        4 * top * (1 - exponent) * (1 - exponent) * (1 + (high - low) / low) * (1 + (high - low) / low));
+  const Interval deviation = times({at_low.slope - at_mean.slope, at_high.slope - at_mean.slope}, y);
+  result.low =
+      at_mean.slope * a.high + std::min(0.0, deviation.low) - 0.5 * (at_low.bend - at_mean.bend) * variance;
+  result.high =
+      at_mean.slope * a.low + std::max(0.0, deviation.high) + 0.5 * (at_mean.bend - at_high.bend) * variance;
+  const double stretch = 1 + (high - low) / low;
+  widen(result, 4 * at_low.value * (1 - exponent) * (1 - exponent) * stretch * stretch);
   return result;
 }
 

@@ -41,17 +41,22 @@ inline Interval quadratic_range(const Enclosure& e) {
 }
 
 /// An interval that holds all values: the better of two estimates on each side.
-inline Interval range(const Enclosure& e) {
-  const auto side = [&](double sign) {
+/// @param quadratic  quadratic_range(e).
+inline Interval range(const Enclosure& e, const Interval& quadratic) {
+  const auto side = [&](double sign, double bend) {
     double corners = -1e308, bernstein = -1e308;
     for (std::size_t k = 0; k < 3; ++k) {
       corners = std::max(corners, sign * e.linear[k]);
       bernstein = std::max(bernstein, 0.5 * sign * (e.linear[k] + e.linear[(k + 1) % 3] + e.quadratic[k]));
     }
     bernstein = std::max(bernstein, corners);
-    return std::min(bernstein, corners + largest_quadratic(e.quadratic, sign));
+    return std::min(bernstein, corners + bend);
   };
-  return {-side(-1) + e.low, side(1) + e.high};
+  return {-side(-1, -quadratic.low) + e.low, side(1, quadratic.high) + e.high};
+}
+
+inline Interval range(const Enclosure& e) {
+  return range(e, quadratic_range(e));
 }
 
 /// At least the largest magnitude of the enclosure's parts.
