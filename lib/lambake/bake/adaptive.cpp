@@ -45,8 +45,15 @@ constexpr int max_parts = 400, max_parts_of_search = 100;
 /// A cut this near to an end leaves a sliver and no gain.
 constexpr double nearest_cut = 1e-4;
 
-/// Sides shorter than this share of the mesh's size are not cut: positions in float would hardly carry it.
-constexpr double shortest_share = 1e-5;
+/// Sides shorter than this share of the largest coordinate are not cut: positions in float, which have 2^-24
+/// of it, would hardly carry it.
+constexpr double shortest_share = 1e-6;
+
+double largest_coordinate(const Mesh& mesh) {
+  const Bounds box = bounds_of(mesh.positions);
+  const glm::vec3 size = glm::max(glm::abs(box.min), glm::abs(box.max));
+  return std::max({size.x, size.y, size.z});
+}
 
 class AdaptiveBake {
  public:
@@ -57,7 +64,7 @@ class AdaptiveBake {
         colors_(scene, options, cut_),
         finishes_(scene),
         bounds_(scene.mesh.n_triangles(), infinity),
-        shortest_side_(shortest_share * bounds_of(scene.mesh.positions).radius()) {}
+        shortest_side_(shortest_share * largest_coordinate(scene.mesh)) {}
 
   BakedColors run() {
     BakedColors baked;
