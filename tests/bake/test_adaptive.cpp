@@ -210,6 +210,32 @@ TEST(Adaptive, LampOnTheSurface_EndsUncertified) {
   EXPECT_EQ(baked.findings[0].code, "unbounded_triangles");
 }
 
+// Around a vertex without a normal the interpolated one turns by the same angles at every scale.
+TEST(Adaptive, VertexWithoutANormal_IsNotCutForWithoutEnd) {
+  Scene scene = scene_of(icosphere(1), {sun({0.4f, 1, 0.3f})});
+  const std::size_t n_cut_for_all = bake_adaptively(scene).mesh->n_triangles();
+  scene.mesh.normals[0] = glm::vec3(0);
+  const BakedColors baked = bake_adaptively(scene);
+  EXPECT_FALSE(baked.certificate->is_certified);
+  EXPECT_LT(baked.mesh->n_triangles(), n_cut_for_all + 1000);  // some 150 for each of its five faces
+  std::size_t n_told = 0;
+  for (const Finding& finding : baked.findings)
+    if (finding.code == "triangles_without_direction") n_told = finding.count;
+  EXPECT_GT(n_told, 0U);
+  EXPECT_EQ(n_told, baked.certificate->open_triangles);
+}
+
+// Two sides of such a triangle lie on the third: what is cut on one is never met by the other.
+TEST(Adaptive, CornersInLine_HaveNoAreaAndNoError) {
+  Mesh mesh;
+  mesh.positions = {{0.25f, 0.5f, 0.75f}, {1, 2, 3}, {0.75f, 1.5f, 2.25f}};
+  mesh.normals = {glm::normalize(glm::vec3(1, 1, 0)), glm::normalize(glm::vec3(-1, 1, 0)), {0, 1, 0}};
+  mesh.triangles = {{0, 1, 2}};
+  const BakedColors baked = bake_adaptively(scene_of(mesh, {sun({1, 0.2f, 0})}));
+  EXPECT_TRUE(baked.certificate->is_certified);
+  EXPECT_EQ(baked.mesh->n_triangles(), 1U);
+}
+
 TEST(Adaptive, DefectsOfTheMesh_DoNotBreakIt) {
   Mesh mesh = icosphere(1);
   const auto n = static_cast<std::uint32_t>(mesh.n_vertices());

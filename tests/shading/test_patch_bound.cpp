@@ -78,6 +78,25 @@ Patch random_patch(Random& random) {
   return patch;
 }
 
+// Next to a vertex without a normal the interpolated ones have one direction and very different lengths:
+// there is no error, and a few parts are enough to see it.
+TEST(PatchBound, NormalsOfOneDirection_ShowNoError) {
+  Light light;
+  light.direction_to_light = glm::normalize(glm::vec3(1, 2, 0.5f));
+  const std::vector<Light> lights{light};
+  const std::vector<std::uint32_t> indices{0};
+  for (const auto& lengths : {glm::dvec3(0.25, 0.2, 0.1), {0.1, 1, 0.9}, {0.7, 0.05, 0.6}}) {
+    Patch patch;
+    patch.positions = {glm::dvec3(0), glm::dvec3(1, 0, 0), glm::dvec3(0.3, 0, 1)};
+    for (int c = 0; c < 3; ++c) {
+      patch.normals[c] = lengths[c] * glm::dvec3(0, 1, 0);
+      patch.colors[c] = reference_at(patch, lights, indices, false, glm::dvec3(c == 0, c == 1, c == 2));
+    }
+    EXPECT_LT(bound_patch(patch, {}, lights, indices, {.accept = 0.1 / 255, .tightness = 1}).bound,
+              0.1 / 255);
+  }
+}
+
 TEST(PatchBound, MillionRandomCases_NoSampleIsAboveTheBound) {
 #ifdef __SANITIZE_ADDRESS__
   constexpr std::size_t n_cases = 50'000;  // ten times slower there

@@ -30,6 +30,9 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 /// a light on the surface, where no mesh is fine enough.
 constexpr int max_rounds = 24;
 
+/// Rounds after which sides are no longer spared: most scenes need fewer.
+constexpr int n_sparing_rounds = 8;
+
 /// Errors up to this multiple of the tolerance are left to balancing, which halves those of one sign.
 constexpr double left_to_balancing = 1.9;
 
@@ -49,6 +52,10 @@ constexpr double nearest_cut = 1e-4;
 /// of it, would hardly carry it.
 constexpr double shortest_share = 1e-6;
 
+/// Where the normal as interpolated is shorter than this all over a triangle, its direction turns around a
+/// place where it vanishes, however small the triangle: cutting would not end.
+constexpr double shortest_normal = 0.25;
+
 double largest_coordinate(const Mesh& mesh) {
   const Bounds box = bounds_of(mesh.positions);
   const glm::vec3 size = glm::max(glm::abs(box.min), glm::abs(box.max));
@@ -64,6 +71,7 @@ class AdaptiveBake {
         colors_(scene, options, cut_),
         finishes_(scene),
         bounds_(scene.mesh.n_triangles(), infinity),
+        max_vertices_(options.max_vertices > 0 ? options.max_vertices : 8 * scene.mesh.n_vertices() + 65536),
         shortest_side_(shortest_share * largest_coordinate(scene.mesh)) {}
 
   BakedColors run() {
@@ -89,6 +97,10 @@ class AdaptiveBake {
                 "triangles are touched by a light, so that their error has no bound");
     add_finding(baked.findings, "open_triangles", certificate.open_triangles - unbounded,
                 "triangles are not certified to be within the tolerance");
+    add_finding(
+        baked.findings, "triangles_without_direction", n_without_direction(),
+        "of them have normals that cancel inside or at a corner: light per pixel has no direction there "
+        "either; --crease-angle-deg parts such normals");
     add_finding(
         baked.findings, "triangles_open_by_storage", n_spoilt,
         "of them would be, but for what the output clips or rounds: a lower exposure or finer colours "
@@ -120,7 +132,7 @@ class AdaptiveBake {
     for (int round = 0;; ++round) {
       bound(active, level);
       if (round == max_rounds || !has_room_ || is_late()) return;
-      const std::vector<CutMark> marks = find_marks(active, level);
+      const std::vector<CutMark> marks = find_marks(active, level, round >= n_sparing_rounds);
       if (marks.empty()) return;
       report_progress(options_.progress, "cutting", static_cast<double>(round) / max_rounds);
       active = apply(marks);
@@ -186,10 +198,11 @@ class AdaptiveBake {
     return count_open() - n_before;
   }
 
-  static bool has_area(const Patch& patch) {
-    const double area = glm::length(
-        glm::cross(patch.positions[1] - patch.positions[0], patch.positions[2] - patch.positions[0]));
-    return area > 0 && std::isfinite(area);
+  std::size_t n_without_direction() const {
+    std::size_t n = 0;
+    for (std::uint32_t f = 0; f < bounds_.size(); ++f)
+      n += bounds_[f] > options_.tolerance && !has_direction(f);
+    return n;
   }
 
   /// Certified bounds of the triangles, no better than `level` needs.
@@ -205,7 +218,7 @@ class AdaptiveBake {
         const std::uint32_t f = triangles[i];
         const Patch patch = colors_.patch(cut_.mesh().triangles[f]);
         bounds_[f] = 0;
-        if (!has_area(patch)) continue;
+        if (area_of(patch) == 0) continue;
         find_reaching_lights(scene_.lights, patch, lights);
         bounds_[f] = bound_patch(patch, finishes_.over(cut_.mesh(), f), scene_.lights, lights, how).bound;
       }
@@ -222,11 +235,12 @@ class AdaptiveBake {
   }
 
   /// Where to cut for the triangles of `active` that are above `level`: every side with an error above it,
-  /// which no other cut can mend, or else the worst side.
-  std::vector<CutMark> find_marks(const std::vector<std::uint32_t>& active, double level) {
+  /// which no other cut can mend, or else the worst side. With `is_thorough` also those whose error bulges by
+  /// half of it: spared sides of needles can leave cuts beside them without effect.
+  std::vector<CutMark> find_marks(const std::vector<std::uint32_t>& active, double level, bool is_thorough) {
     std::vector<std::uint32_t> open;
     for (const std::uint32_t f : active)
-      if (bounds_[f] > level) open.push_back(f);
+      if (bounds_[f] > level && has_direction(f)) open.push_back(f);
     struct Candidate {
       std::uint32_t low, high;
       double error, t;
@@ -236,7 +250,7 @@ class AdaptiveBake {
       for (std::size_t i = begin; i < end; ++i) {
         const FinishRange finish = finishes_.over(cut_.mesh(), open[i]);
         const glm::uvec3& t = cut_.mesh().triangles[open[i]];
-        std::array<double, 3> merit{};
+        std::array<double, 3> merit{}, bulges{};
         glm::dvec3 lengths;
         for (int k = 0; k < 3; ++k)
           lengths[k] = glm::length(cut_.positions()[t[(k + 1) % 3]] - cut_.positions()[t[k]]);
@@ -244,6 +258,7 @@ class AdaptiveBake {
         for (int k = 0; k < 3; ++k) {
           const std::uint32_t a = t[k], b = t[(k + 1) % 3];
           const SideError side = error_between(a, b, finish);
+          bulges[static_cast<std::size_t>(k)] = side.bulge;
           const auto [low, high] = std::minmax(cut_.places()[a], cut_.places()[b]);
           found[i][static_cast<std::size_t>(k)] = {low, high, side.error,
                                                    side.bulge > 0.05 * level ? side.t : 0.5};
@@ -256,7 +271,8 @@ class AdaptiveBake {
             static_cast<std::size_t>(std::max_element(merit.begin(), merit.end()) - merit.begin());
         for (std::size_t k = 0; k < 3; ++k) {
           Candidate& c = found[i][k];
-          const bool is_needed = c.error > level || k == worst;
+          const bool is_needed = c.error > level || k == worst ||
+                                 (is_thorough && bulges[static_cast<std::size_t>(k)] > 0.5 * level);
           const bool is_too_short = !(lengths[static_cast<int>(k)] > shortest_side_);
           if (!is_needed || c.low == c.high || is_too_short) c.error = -1;
         }
@@ -274,21 +290,26 @@ class AdaptiveBake {
                                    return x.low == y.low && x.high == y.high;
                                  }),
                      candidates.end());
-    if (options_.max_vertices > 0) {
-      const std::size_t n = cut_.mesh().n_vertices();
-      const std::size_t room = options_.max_vertices > n ? options_.max_vertices - n : 0;
-      if (candidates.size() > room) {
-        has_room_ = false;
-        std::stable_sort(candidates.begin(), candidates.end(),
-                         [](const Candidate& x, const Candidate& y) { return x.error > y.error; });
-        candidates.resize(room);
-      }
+    const std::size_t n = cut_.mesh().n_vertices();
+    const std::size_t room = max_vertices_ > n ? max_vertices_ - n : 0;
+    if (candidates.size() > room) {
+      has_room_ = false;
+      std::stable_sort(candidates.begin(), candidates.end(),
+                       [](const Candidate& x, const Candidate& y) { return x.error > y.error; });
+      candidates.resize(room);
     }
     std::vector<CutMark> marks;
     marks.reserve(candidates.size());
     for (const Candidate& c : candidates)
       marks.push_back({c.low, c.high, static_cast<float>(std::clamp(c.t, nearest_cut, 1 - nearest_cut))});
     return marks;
+  }
+
+  bool has_direction(std::uint32_t f) const {
+    const glm::uvec3& t = cut_.mesh().triangles[f];
+    double longest = 0;
+    for (int c = 0; c < 3; ++c) longest = std::max(longest, glm::length(cut_.normals()[t[c]]));
+    return longest >= shortest_normal;
   }
 
   /// A measure of how much the light can vary between two vertices.
@@ -345,6 +366,7 @@ class AdaptiveBake {
   CutColors colors_;
   Finishes finishes_;
   std::vector<double> bounds_;  ///< F'; infinite until known.
+  std::size_t max_vertices_;
   double shortest_side_;
   bool has_room_ = true;  ///< Whether max_vertices leaves any.
 };

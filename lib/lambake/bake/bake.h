@@ -27,10 +27,10 @@ enum class BakeMethod {
 /// What a method that cuts can promise of its result.
 struct Certificate {
   ErrorSpace space = ErrorSpace::display;  ///< Where its errors are meant.
-  bool is_certified = false;         ///< The bound is at most the tolerance on every triangle.
-  double max_bound = 0;              ///< The largest bound of a triangle; infinite if one has none.
-  std::size_t open_triangles = 0;    ///< With a bound above the tolerance.
-  double smallest_angle_before = 0;  ///< Radians, of the triangles with area.
+  bool is_certified = false;               ///< The bound is at most the tolerance on every triangle.
+  double max_bound = 0;                    ///< The largest bound of a triangle; infinite if one has none.
+  std::size_t open_triangles = 0;          ///< With a bound above the tolerance.
+  double smallest_angle_before = 0;        ///< Radians, of the triangles with area.
   double smallest_angle_after = 0;
 };
 
@@ -58,8 +58,10 @@ struct BakeOptions {
   /// adaptive: the error |F − G| that no place and no channel may exceed; on screen 1 is white.
   double tolerance = 1.0 / 255;
   ErrorSpace tolerance_space = ErrorSpace::display;  ///< adaptive: where the tolerance is meant.
-  std::size_t max_vertices = 0;                      ///< adaptive: stops before it makes more; 0 is no limit.
-  double max_seconds = 0;                            ///< adaptive: stops cutting after this; 0 is no limit.
+  /// adaptive: stops before it makes more. 0 is eight times the scene's vertices and 65,536: a scene that
+  /// needs more needs light per pixel.
+  std::size_t max_vertices = 0;
+  double max_seconds = 0;  ///< adaptive: stops cutting after this; 0 is no limit.
   /// adaptive: what becomes of a colour in the output, so that what is certified is what is written; empty:
   /// nothing.
   std::function<LinearRgb(const LinearRgb&)> as_stored{};

@@ -68,13 +68,6 @@ Patch patch_of(const Mesh& mesh, std::size_t triangle) {
   return patch;
 }
 
-/// Area of the triangle; 0 if it has none or is not finite.
-double area_of(const Patch& patch) {
-  const double area = 0.5 * glm::length(glm::cross(patch.positions[1] - patch.positions[0],
-                                                   patch.positions[2] - patch.positions[0]));
-  return std::isfinite(area) ? area : 0;
-}
-
 /// ∫ b_i D⊗E dA / A over a triangle, column i for corner i: cut apart along the terminators, or quartered
 /// where none crosses it.
 glm::dmat3 moments(const Patch& patch, const std::vector<Light>& all) {

@@ -18,8 +18,7 @@ SurfaceBound surface_bound(const Scene& scene, const BakedColors& baked, const B
     std::vector<std::uint32_t> lights;
     for (std::size_t f = begin; f < end; ++f) {
       const Patch patch = surface.patch(f);
-      const double area = glm::length(ComparedSurface::area_vector(patch));
-      if (!(area > 0) || !std::isfinite(area)) continue;
+      if (area_of(patch) == 0) continue;
       find_reaching_lights(scene.lights, patch, lights);
       bounds[f] = bound_patch(patch, surface.finish_range(f), scene.lights, lights, options);
     }

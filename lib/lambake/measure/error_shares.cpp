@@ -16,8 +16,8 @@ double rms_of_difference(const ComparedSurface& surface, const std::vector<Linea
                          const std::vector<LinearRgb>& b) {
   double sum = 0, total = 0;
   for (std::size_t f = 0; f < surface.n_triangles(); ++f) {
-    const double area = 0.5 * glm::length(ComparedSurface::area_vector(surface.patch(f)));
-    if (!(area > 0) || !std::isfinite(area)) continue;
+    const double area = area_of(surface.patch(f));
+    if (area == 0) continue;
     total += area;
     const LinearRgb& base = surface.scene().materials[surface.mesh().material_of(f)].base_color;
     glm::dvec3 squares(0), plain(0);

@@ -61,8 +61,4 @@ Patch ComparedSurface::patch(std::size_t triangle) const {
   return patch;
 }
 
-glm::dvec3 ComparedSurface::area_vector(const Patch& patch) {
-  return glm::cross(patch.positions[1] - patch.positions[0], patch.positions[2] - patch.positions[0]);
-}
-
 }  // namespace lambake

@@ -20,8 +20,6 @@ class ComparedSurface {
 
   std::size_t n_triangles() const { return mesh_.n_triangles(); }
   Patch patch(std::size_t triangle) const;
-  /// Twice the area vector of the triangle, of the positions as interpolated.
-  static glm::dvec3 area_vector(const Patch& patch);
   Finish finish_at(std::size_t triangle, const glm::dvec3& b) const {
     return finishes_.at(mesh_, triangle, b);
   }

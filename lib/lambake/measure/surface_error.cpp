@@ -193,8 +193,8 @@ SurfaceError surface_error(const Scene& scene, const BakedColors& baked, ErrorSp
   parallel_blocks(n, block_size, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) {
       const Patch patch = surface.patch(f);
-      const double area = 0.5 * glm::length(ComparedSurface::area_vector(patch));
-      if (!(area > 0) || !std::isfinite(area)) continue;
+      const double area = area_of(patch);
+      if (area == 0) continue;
       areas[f] = area;
       const TriangleError error(surface, f, space);
       for (const glm::dmat3& part : error.parts(32)) {

@@ -27,6 +27,15 @@ inline Patch part_of(const Patch& whole, const glm::dmat3& corners) {
           whole.colors * corners};
 }
 
+/// The area of the patch; 0 if it is not finite or the corners are in line, to within 1e-12 of the longest
+/// side.
+inline double area_of(const Patch& patch) {
+  const glm::dvec3 a = patch.positions[1] - patch.positions[0], b = patch.positions[2] - patch.positions[0];
+  const double doubled = glm::length(glm::cross(a, b));
+  const double longest = std::max({glm::dot(a, a), glm::dot(b, b), glm::dot(b - a, b - a)});
+  return std::isfinite(doubled) && doubled > 1e-12 * longest ? 0.5 * doubled : 0;
+}
+
 /// What the colours of a triangle are multiplied with and added to before they are seen, at one point or
 /// over a whole triangle: P = emission + base ⊗ colour. `is_unlit` surfaces show their albedo.
 struct Finish {

@@ -264,6 +264,7 @@ class Bounder {
       if (worst_kink < 0.3 * widest) part.kink_light = no_light;
     }
     std::array<double, 3> variation{};
+    double widest_rest = 0;
     for (int i = 0; i < n_channels_; ++i) {
       const int c = channels_[i];
       const glm::dmat3& a = patch.albedos;
@@ -281,8 +282,11 @@ class Bounder {
         variation[k] =
             std::max(variation[k], std::abs(f.linear[k] - f.linear[next]) + 4 * std::abs(f.quadratic[k]));
       }
+      widest_rest = std::max(widest_rest, f.high - f.low);
       part.bound = std::max(part.bound, bound_of(c, range(f), range(e), patch));
     }
+    // Where light hardly varies, what the normals and distances do apart is what keeps the interval wide.
+    if (widest_rest > *std::max_element(variation.begin(), variation.end())) variation = spreads(patch);
     part.longest_side =
         static_cast<int>(std::max_element(variation.begin(), variation.end()) - variation.begin());
     if (!(variation[static_cast<std::size_t>(part.longest_side)] > 0))
@@ -316,6 +320,26 @@ class Bounder {
       has_lit |= s > 0, has_dark |= s < 0;
     }
     return has_lit && has_dark;
+  }
+
+  /// How far the normals at the ends of each side are apart, and the positions as nearby lamps see them;
+  /// squared, without unit.
+  std::array<double, 3> spreads(const Patch& patch) const {
+    std::array<double, 3> spread{};
+    double nearest = infinity;
+    for (const std::uint32_t i : lights_)
+      if (all_[i].type != LightType::directional)
+        for (int k = 0; k < 3; ++k) {
+          const glm::dvec3 d = glm::dvec3(all_[i].position) - patch.positions[k];
+          nearest = std::min(nearest, glm::dot(d, d));
+        }
+    for (int k = 0; k < 3; ++k) {
+      const int next = (k + 1) % 3;
+      const glm::dvec3 dn = patch.normals[next] - patch.normals[k];
+      const glm::dvec3 dp = patch.positions[next] - patch.positions[k];
+      spread[static_cast<std::size_t>(k)] = glm::dot(dn, dn) + glm::dot(dp, dp) / std::max(nearest, 1e-300);
+    }
+    return spread;
   }
 
   static int longest_side(const Patch& patch) {
