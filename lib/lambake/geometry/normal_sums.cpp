@@ -99,7 +99,8 @@ template <typename V>
 HWY_INLINE V dot(const Vector3<V>& a, const Vector3<V>& b) {
   return hn::Add(hn::Add(hn::Mul(a.x, b.x), hn::Mul(a.y, b.y)), hn::Mul(a.z, b.z));
 }
-HWY_INLINE D3 cross(const D3& a, const D3& b) {
+template <typename V>
+HWY_INLINE Vector3<V> cross(const Vector3<V>& a, const Vector3<V>& b) {
   return {hn::Sub(hn::Mul(a.y, b.z), hn::Mul(a.z, b.y)), hn::Sub(hn::Mul(a.z, b.x), hn::Mul(a.x, b.z)),
           hn::Sub(hn::Mul(a.x, b.y), hn::Mul(a.y, b.x))};
 }
@@ -146,6 +147,36 @@ HWY_INLINE F3 angles(F area, F dot0, F dot1, F dot2) {
           hn::IfThenElse(is_0_large, a, hn::IfThenElse(is_1_large, b, large))};
 }
 
+/// The edges of faces, and a power of two near the longest.
+struct Edges {
+  F3 e1, e2;
+  F longest, unit, per_unit;
+};
+
+HWY_INLINE Edges edges_of(const F3& p0, const F3& p1, const F3& p2) {
+  const Floats f;
+  const Words u;
+  Edges edges;
+  const F3 e1 = subtract(p1, p0), e2 = subtract(p2, p0);
+  edges.e1 = e1, edges.e2 = e2;
+  edges.longest =
+      hn::Max(hn::Max(hn::Max(hn::Abs(e1.x), hn::Abs(e1.y)), hn::Max(hn::Abs(e1.z), hn::Abs(e2.x))),
+              hn::Max(hn::Abs(e2.y), hn::Abs(e2.z)));
+  const auto exponent = hn::And(hn::BitCast(u, edges.longest), hn::Set(u, 0x7f800000u));
+  edges.unit = hn::BitCast(f, exponent);
+  edges.per_unit = hn::BitCast(f, hn::Sub(hn::Set(u, 254u << 23), exponent));
+  return edges;
+}
+
+/// Lanes in which `edges` are of a size, and an area vector in their units of a length, that float can
+/// handle. False for what is not finite, too.
+HWY_INLINE hn::Mask<Floats> is_sure(const Edges& edges, F length_squared, float least) {
+  const Floats f;
+  return hn::And(
+      hn::Gt(length_squared, hn::Set(f, least)),
+      hn::And(hn::Gt(edges.longest, hn::Set(f, 0x1p-50f)), hn::Lt(edges.longest, hn::Set(f, 0x1p50f))));
+}
+
 /// From positions to weighted normals, for as many faces as a vector has lanes; NaN where float is not sure.
 ///
 /// Edges and their cross product are in double, so that slivers keep their direction. The rest is float, in
@@ -154,41 +185,31 @@ template <NormalWeight weight>
 HWY_INLINE void weigh(float* corner0, float* corner1, float* corner2) {
   const Doubles d;
   const Floats f;
-  const Words u;
   const F3 p0 = load_corners(corner0), p1 = load_corners(corner1), p2 = load_corners(corner2);
   const D3 q0 = promote(p0);
   const D3 area_vector = cross(subtract(promote(p1), q0), subtract(promote(p2), q0));
-  F3 e1 = subtract(p1, p0), e2 = subtract(p2, p0), e3 = subtract(p2, p1);
-
-  const F longest =
-      hn::Max(hn::Max(hn::Max(hn::Abs(e1.x), hn::Abs(e1.y)), hn::Max(hn::Abs(e1.z), hn::Abs(e2.x))),
-              hn::Max(hn::Abs(e2.y), hn::Abs(e2.z)));
-  const auto exponent = hn::And(hn::BitCast(u, longest), hn::Set(u, 0x7f800000u));
-  const F unit = hn::BitCast(f, exponent),
-          per_unit = hn::BitCast(f, hn::Sub(hn::Set(u, 254u << 23), exponent));
-  const D per_unit_d = hn::PromoteTo(d, per_unit);
-  const F3 n = demote(scale(area_vector, hn::Mul(per_unit_d, per_unit_d)));
+  const Edges edges = edges_of(p0, p1, p2);
+  const D per_unit = hn::PromoteTo(d, edges.per_unit);
+  const F3 n = demote(scale(area_vector, hn::Mul(per_unit, per_unit)));
   const F length_squared = dot(n, n), length = hn::Sqrt(length_squared);
-  // False for what is not finite, too.
-  const auto is_sure =
-      hn::And(hn::Gt(length_squared, hn::Set(f, 1e-10f)),
-              hn::And(hn::Gt(longest, hn::Set(f, 0x1p-50f)), hn::Lt(longest, hn::Set(f, 0x1p50f))));
-  const F3 normal = scale(n, hn::IfThenElse(is_sure, hn::Div(hn::Set(f, 1.0f), length),
-                                            hn::Set(f, std::numeric_limits<float>::quiet_NaN())));
+  const F3 normal =
+      scale(n, hn::IfThenElse(is_sure(edges, length_squared, 1e-10f), hn::Div(hn::Set(f, 1.0f), length),
+                              hn::Set(f, std::numeric_limits<float>::quiet_NaN())));
 
   F w0, w1, w2;
   if constexpr (weight == NormalWeight::uniform) {
     w0 = w1 = w2 = hn::Set(f, 1.0f);
   } else if constexpr (weight == NormalWeight::area) {
-    w0 = w1 = w2 = hn::Mul(hn::Mul(length, unit), unit);
+    w0 = w1 = w2 = hn::Mul(hn::Mul(length, edges.unit), edges.unit);
   } else {
-    e1 = scale(e1, per_unit), e2 = scale(e2, per_unit), e3 = scale(e3, per_unit);
+    const F3 e1 = scale(edges.e1, edges.per_unit), e2 = scale(edges.e2, edges.per_unit);
+    const F3 e3 = scale(subtract(p2, p1), edges.per_unit);
     if constexpr (weight == NormalWeight::angle) {
       const F3 w = angles(length, dot(e1, e2), hn::Neg(dot(e1, e3)), dot(e2, e3));
       w0 = w.x, w1 = w.y, w2 = w.z;
     } else {
       const F s1 = dot(e1, e1), s2 = dot(e2, e2), s3 = dot(e3, e3);
-      const F scaled = hn::Mul(hn::Mul(length, per_unit), per_unit);
+      const F scaled = hn::Mul(hn::Mul(length, edges.per_unit), edges.per_unit);
       w0 = hn::Div(scaled, hn::Mul(s1, s2));
       w1 = hn::Div(scaled, hn::Mul(s1, s3));
       w2 = hn::Div(scaled, hn::Mul(s2, s3));
@@ -202,6 +223,14 @@ HWY_INLINE void weigh(float* corner0, float* corner1, float* corner2) {
   store(w2, corner2);
 }
 
+/// The positions of up to a block of faces.
+HWY_INLINE void gather(const glm::vec3* positions, const glm::uvec3* triangles, std::size_t n,
+                       Corners* corners) {
+  for (std::size_t i = 0; i < n; ++i)
+    for (int c = 0; c < 3; ++c)
+      std::memcpy(&corners[c][4 * i], &positions[triangles[i][c]], sizeof(glm::vec3));
+}
+
 /// @param group_of  null: each vertex is its own.
 template <NormalWeight weight>
 void add_all(const glm::vec3* positions, const glm::uvec3* triangles, std::size_t n,
@@ -209,9 +238,7 @@ void add_all(const glm::vec3* positions, const glm::uvec3* triangles, std::size_
   HWY_ALIGN Corners corners[3] = {};
   for (std::size_t first = 0; first < n; first += n_in_block) {
     const std::size_t n_here = std::min(n_in_block, n - first);
-    for (std::size_t i = 0; i < n_here; ++i)
-      for (int c = 0; c < 3; ++c)
-        std::memcpy(&corners[c][4 * i], &positions[triangles[first + i][c]], sizeof(glm::vec3));
+    gather(positions, triangles + first, n_here, corners);
     for (std::size_t i = 0; i < n_here; i += hn::Lanes(Doubles()))
       weigh<weight>(&corners[0][4 * i], &corners[1][4 * i], &corners[2][4 * i]);
     for (std::size_t i = 0; i < n_here; ++i) {
@@ -242,6 +269,26 @@ void add_faces_of(const glm::vec3* positions, const glm::uvec3* triangles, std::
     case NormalWeight::max:
       return add_all<NormalWeight::max>(positions, triangles, n, group_of, sums);
   }
+}
+
+bool have_area_of(const glm::vec3* positions, const glm::uvec3* triangles, std::size_t n) {
+  const Floats f;
+  HWY_ALIGN Corners corners[3];
+  for (std::size_t first = 0; first < n; first += n_in_block) {
+    const std::size_t n_here = std::min(n_in_block, n - first);
+    // Lanes past the last face take a sound one.
+    for (float* corner : {corners[0], corners[1], corners[2]}) std::fill_n(corner, 4 * n_in_block, 0.0f);
+    for (std::size_t i = n_here; i < n_in_block; ++i) corners[1][4 * i] = corners[2][4 * i + 1] = 1;
+    gather(positions, triangles + first, n_here, corners);
+    for (std::size_t i = 0; i < n_here; i += hn::Lanes(f)) {
+      const Edges edges = edges_of(load_corners(&corners[0][4 * i]), load_corners(&corners[1][4 * i]),
+                                   load_corners(&corners[2][4 * i]));
+      const F3 n_scaled = cross(scale(edges.e1, edges.per_unit), scale(edges.e2, edges.per_unit));
+      // Far above both the rounding of float, 1e-12 here, and the least area.
+      if (!hn::AllTrue(f, is_sure(edges, dot(n_scaled, n_scaled), 1e-6f))) return false;
+    }
+  }
+  return true;
 }
 
 IndexRange range_of(const std::uint32_t* indices, std::size_t n) {
@@ -284,6 +331,7 @@ static_assert(sizeof(glm::vec3) == 3 * sizeof(float) && sizeof(glm::uvec3) == 3 
 
 namespace {
 HWY_EXPORT(add_faces_of);
+HWY_EXPORT(have_area_of);
 HWY_EXPORT(range_of);
 HWY_EXPORT(unit_normals_of);
 }  // namespace
@@ -294,6 +342,10 @@ glm::dvec3 area_vector(const glm::vec3& a, const glm::vec3& b, const glm::vec3& 
   const glm::dvec3 cross = glm::cross(e1, e2);
   const double longest = std::max({glm::dot(e1, e1), glm::dot(e2, e2), glm::dot(e3, e3)});
   return glm::dot(cross, cross) > 1e-24 * (longest * longest) ? cross : glm::dvec3(0);
+}
+
+bool have_area(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles) {
+  return HWY_DYNAMIC_DISPATCH(have_area_of)(positions.data(), triangles.data(), triangles.size());
 }
 
 IndexRange index_range(std::span<const glm::uvec3> triangles, std::span<const std::uint32_t> group_of) {

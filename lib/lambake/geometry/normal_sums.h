@@ -20,6 +20,9 @@ struct alignas(32) NormalSum {
 /// there is no area: shorter than 1e-12 of the longest edge squared, or not finite.
 glm::dvec3 area_vector(const glm::vec3& p0, const glm::vec3& p1, const glm::vec3& p2);
 
+/// True if every triangle surely has an area by area_vector(); false says nothing.
+bool have_area(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles);
+
 /// The least and the greatest number that the corners of triangles name.
 struct IndexRange {
   std::uint32_t first = 0, last = 0;
