@@ -23,6 +23,14 @@ constexpr std::size_t n_in_block = 64;
 /// and the weight.
 using Corners = float[4 * n_in_block];
 
+/// Faces on their way from positions to weighted normals.
+struct alignas(64) Block {
+  Corners corners[3];
+  float x[n_in_block], y[n_in_block], z[n_in_block];  // Twice the area vector, in square units.
+  float unit[n_in_block];  // A power of two near the longest edge; 0 where float cannot be sure of the face.
+  float terms[3][n_in_block];  // Of each corner's weight.
+};
+
 /// A sum of unit normals shorter than this share of the sum of its weights has no direction: the faces
 /// cancel.
 constexpr double cancelled = 1e-6;
@@ -177,50 +185,69 @@ HWY_INLINE hn::Mask<Floats> is_sure(const Edges& edges, F length_squared, float 
       hn::And(hn::Gt(edges.longest, hn::Set(f, 0x1p-50f)), hn::Lt(edges.longest, hn::Set(f, 0x1p50f))));
 }
 
-/// From positions to weighted normals, for as many faces as a vector has lanes; NaN where float is not sure.
+/// From positions to what weights are made of, for as many faces as a vector has lanes, from the one at `i`
+/// on.
 ///
 /// Edges and their cross product are in double, so that slivers keep their direction. The rest is float, in
 /// units of a power of two near the longest edge.
 template <NormalWeight weight>
-HWY_INLINE void weigh(float* corner0, float* corner1, float* corner2) {
+HWY_INLINE void measure(Block& block, std::size_t i) {
   const Doubles d;
   const Floats f;
-  const F3 p0 = load_corners(corner0), p1 = load_corners(corner1), p2 = load_corners(corner2);
+  const F3 p0 = load_corners(&block.corners[0][4 * i]), p1 = load_corners(&block.corners[1][4 * i]),
+           p2 = load_corners(&block.corners[2][4 * i]);
   const D3 q0 = promote(p0);
   const D3 area_vector = cross(subtract(promote(p1), q0), subtract(promote(p2), q0));
   const Edges edges = edges_of(p0, p1, p2);
   const D per_unit = hn::PromoteTo(d, edges.per_unit);
   const F3 n = demote(scale(area_vector, hn::Mul(per_unit, per_unit)));
-  const F length_squared = dot(n, n), length = hn::Sqrt(length_squared);
-  const F3 normal =
-      scale(n, hn::IfThenElse(is_sure(edges, length_squared, 1e-10f), hn::Div(hn::Set(f, 1.0f), length),
-                              hn::Set(f, std::numeric_limits<float>::quiet_NaN())));
-
-  F w0, w1, w2;
-  if constexpr (weight == NormalWeight::uniform) {
-    w0 = w1 = w2 = hn::Set(f, 1.0f);
-  } else if constexpr (weight == NormalWeight::area) {
-    w0 = w1 = w2 = hn::Mul(hn::Mul(length, edges.unit), edges.unit);
-  } else {
+  hn::Store(n.x, f, block.x + i);
+  hn::Store(n.y, f, block.y + i);
+  hn::Store(n.z, f, block.z + i);
+  hn::Store(hn::IfThenElseZero(is_sure(edges, dot(n, n), 1e-10f), edges.unit), f, block.unit + i);
+  if constexpr (weight == NormalWeight::angle || weight == NormalWeight::max) {
     const F3 e1 = scale(edges.e1, edges.per_unit), e2 = scale(edges.e2, edges.per_unit);
     const F3 e3 = scale(subtract(p2, p1), edges.per_unit);
+    constexpr bool is_angle = weight == NormalWeight::angle;
+    hn::Store(is_angle ? dot(e1, e2) : dot(e3, e3), f, block.terms[0] + i);
+    hn::Store(is_angle ? hn::Neg(dot(e1, e3)) : dot(e2, e2), f, block.terms[1] + i);
+    hn::Store(is_angle ? dot(e2, e3) : dot(e1, e1), f, block.terms[2] + i);
+  }
+}
+
+/// From there to weighted normals, in the place of the positions; NaN where float is not sure. Apart from
+/// measure(), as the machine works on several faces at a time only where the chains of operations are short.
+template <NormalWeight weight>
+HWY_INLINE void weigh(Block& block, std::size_t i) {
+  const Floats f;
+  const F3 n = {hn::Load(f, block.x + i), hn::Load(f, block.y + i), hn::Load(f, block.z + i)};
+  const F unit = hn::Load(f, block.unit + i), length = hn::Sqrt(dot(n, n));
+  const F nan = hn::Set(f, std::numeric_limits<float>::quiet_NaN());
+  const F3 normal =
+      scale(n, hn::IfThenElse(hn::Gt(unit, hn::Zero(f)), hn::Div(hn::Set(f, 1.0f), length), nan));
+  F3 w;
+  if constexpr (weight == NormalWeight::uniform) {
+    w.x = w.y = w.z = hn::Set(f, 1.0f);
+  } else if constexpr (weight == NormalWeight::area) {
+    w.x = w.y = w.z = hn::Mul(hn::Mul(length, unit), unit);
+  } else {
+    const F t0 = hn::Load(f, block.terms[0] + i), t1 = hn::Load(f, block.terms[1] + i),
+            t2 = hn::Load(f, block.terms[2] + i);
     if constexpr (weight == NormalWeight::angle) {
-      const F3 w = angles(length, dot(e1, e2), hn::Neg(dot(e1, e3)), dot(e2, e3));
-      w0 = w.x, w1 = w.y, w2 = w.z;
-    } else {
-      const F s1 = dot(e1, e1), s2 = dot(e2, e2), s3 = dot(e3, e3);
-      const F scaled = hn::Mul(hn::Mul(length, edges.per_unit), edges.per_unit);
-      w0 = hn::Div(scaled, hn::Mul(s1, s2));
-      w1 = hn::Div(scaled, hn::Mul(s1, s3));
-      w2 = hn::Div(scaled, hn::Mul(s2, s3));
+      w = angles(length, t0, t1, t2);
+    } else {  // Squares of the sides opposite to each corner.
+      const F scaled = hn::Div(hn::Div(length, unit), unit);
+      w = {hn::Div(scaled, hn::Mul(t1, t2)), hn::Div(scaled, hn::Mul(t0, t2)),
+           hn::Div(scaled, hn::Mul(t0, t1))};
     }
   }
-  const auto store = [&](F w, float* corner) HWY_ATTR {
-    hn::StoreInterleaved4(hn::Mul(normal.x, w), hn::Mul(normal.y, w), hn::Mul(normal.z, w), w, f, corner);
+  const auto store = [&](F share, int corner) HWY_ATTR {
+    hn::StoreInterleaved4(hn::Mul(normal.x, share), hn::Mul(normal.y, share), hn::Mul(normal.z, share), share,
+                          f, &block.corners[corner][4 * i]);
   };
-  store(w0, corner0);
-  store(w1, corner1);
-  store(w2, corner2);
+  store(w.x, 0);
+  store(w.y, 1);
+  store(w.z, 2);
 }
 
 /// The positions of up to a block of faces.
@@ -235,22 +262,22 @@ HWY_INLINE void gather(const glm::vec3* positions, const glm::uvec3* triangles, 
 template <NormalWeight weight>
 void add_all(const glm::vec3* positions, const glm::uvec3* triangles, std::size_t n,
              const std::uint32_t* group_of, NormalSum* sums) {
-  HWY_ALIGN Corners corners[3] = {};
+  Block block{};
   for (std::size_t first = 0; first < n; first += n_in_block) {
     const std::size_t n_here = std::min(n_in_block, n - first);
-    gather(positions, triangles + first, n_here, corners);
-    for (std::size_t i = 0; i < n_here; i += hn::Lanes(Doubles()))
-      weigh<weight>(&corners[0][4 * i], &corners[1][4 * i], &corners[2][4 * i]);
+    gather(positions, triangles + first, n_here, block.corners);
+    for (std::size_t i = 0; i < n_here; i += hn::Lanes(Doubles())) measure<weight>(block, i);
+    for (std::size_t i = 0; i < n_here; i += hn::Lanes(Doubles())) weigh<weight>(block, i);
     for (std::size_t i = 0; i < n_here; ++i) {
       const glm::uvec3& t = triangles[first + i];
-      if (std::isnan(corners[0][4 * i])) {
+      if (std::isnan(block.corners[0][4 * i])) {
         add_odd_face(positions, t, group_of, weight, sums);
         continue;
       }
       for (int c = 0; c < 3; ++c) {
         double* const sum = sums[group_of == nullptr ? t[c] : group_of[t[c]]].normal;
         float added[4];
-        std::memcpy(added, &corners[c][4 * i], sizeof added);
+        std::memcpy(added, &block.corners[c][4 * i], sizeof added);
         for (int k = 0; k < 4; ++k) sum[k] += double(added[k]);
       }
     }
@@ -277,8 +304,10 @@ bool have_area_of(const glm::vec3* positions, const glm::uvec3* triangles, std::
   for (std::size_t first = 0; first < n; first += n_in_block) {
     const std::size_t n_here = std::min(n_in_block, n - first);
     // Lanes past the last face take a sound one.
-    for (float* corner : {corners[0], corners[1], corners[2]}) std::fill_n(corner, 4 * n_in_block, 0.0f);
-    for (std::size_t i = n_here; i < n_in_block; ++i) corners[1][4 * i] = corners[2][4 * i + 1] = 1;
+    for (std::size_t i = n_here; i < n_in_block; ++i) {
+      for (Corners& corner : corners) std::fill_n(&corner[4 * i], 4, 0.0f);
+      corners[1][4 * i] = corners[2][4 * i + 1] = 1;
+    }
     gather(positions, triangles + first, n_here, corners);
     for (std::size_t i = 0; i < n_here; i += hn::Lanes(f)) {
       const Edges edges = edges_of(load_corners(&corners[0][4 * i]), load_corners(&corners[1][4 * i]),
