@@ -39,20 +39,23 @@ std::string uri_of(const std::string& name) {
 
 /// The bytes of `buffers[0]`.
 std::uint64_t buffer_size(const GltfDocument& document) {
-  std::uint64_t size = document.bin.size();
+  if (!document.bin.empty() || document.lent.empty()) return bin_offset(document) + document.bin.size();
+  std::uint64_t size = 0;  // The last part is not padded.
   for (const std::span<const unsigned char> bytes : document.lent) size = padded(size) + bytes.size();
   return size;
 }
 
 void write_buffer(OutputFile& file, const GltfDocument& document) {
   constexpr char zeros[] = "\0\0\0";
-  std::uint64_t size = document.bin.size();
-  file.write(document.bin.data(), document.bin.size());
+  std::uint64_t size = 0;
   for (const std::span<const unsigned char> bytes : document.lent) {
     file.write(zeros, padded(size) - size);
     file.write(bytes.data(), bytes.size());
     size = padded(size) + bytes.size();
   }
+  if (document.bin.empty()) return;
+  file.write(zeros, padded(size) - size);
+  file.write(document.bin.data(), document.bin.size());
 }
 
 void write_glb(const std::string& path, const GltfDocument& document) {
@@ -94,6 +97,12 @@ void write_gltf_and_bin(const std::string& path, GltfDocument& document) {
 
 }  // namespace
 
+std::size_t bin_offset(const GltfDocument& document) {
+  std::uint64_t size = 0;
+  for (const std::span<const unsigned char> bytes : document.lent) size += padded(bytes.size());
+  return size;
+}
+
 IndexElements::IndexElements(std::span<const glm::uvec3> triangles, std::size_t n_vertices)
     : triangles_(triangles) {
   // 65535 is kept free: it restarts primitives on some hardware.
@@ -128,14 +137,16 @@ void use_extension(GltfJson& json, const char* name) {
 
 std::size_t append_view(GltfDocument& document, std::span<const unsigned char> bytes, int target,
                         std::size_t stride, bool is_lent) {
-  assert(is_lent || document.lent.empty());
-  GltfJson view{{"buffer", 0}, {"byteOffset", padded(buffer_size(document))}, {"byteLength", bytes.size()}};
+  assert(!is_lent || document.bin.empty());
+  document.bin.resize(padded(document.bin.size()));
+  GltfJson view{{"buffer", 0},
+                {"byteOffset", bin_offset(document) + document.bin.size()},
+                {"byteLength", bytes.size()}};
   if (stride != 0) view["byteStride"] = stride;
   if (target != 0) view["target"] = target;
   if (is_lent) {
     document.lent.push_back(bytes);
   } else {
-    document.bin.resize(padded(document.bin.size()));
     document.bin.insert(document.bin.end(), bytes.begin(), bytes.end());
   }
   return append_to(document.json, "bufferViews", std::move(view));

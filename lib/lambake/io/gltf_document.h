@@ -24,11 +24,15 @@ inline constexpr int array_buffer = 34962, element_array_buffer = 34963;
 
 struct GltfDocument {
   GltfJson json = GltfJson::object();
-  std::vector<unsigned char> bin;  ///< The bytes of `buffers[0]`, where the document has data of its own.
-  /// Bytes of `buffers[0]` behind those, each part 4-aligned, that are not copied: they have to outlive the
+  /// The first bytes of `buffers[0]`, each part 4-aligned, that are not copied: they have to outlive the
   /// document.
   std::vector<std::span<const unsigned char>> lent;
+  /// The bytes of `buffers[0]` behind those, where the document has data of its own.
+  std::vector<unsigned char> bin;
 };
+
+/// Where `bin` begins in `buffers[0]`, or where bytes would that are lent next.
+std::size_t bin_offset(const GltfDocument& document);
 
 /// Elements to be added: `count` of them, `bytes.size() / count` apart (a multiple of 4 for attributes).
 struct GltfElements {
