@@ -54,17 +54,15 @@ std::vector<PlainSum> plain_sums(const Mesh& mesh, NormalWeight weight) {
   return sums;
 }
 
-/// The largest difference to the definition, as a share of the weights that were summed: where faces nearly
-/// cancel, the direction of what is left is as uncertain as it is short.
+/// The largest difference to the definition, where that has a direction.
 double worst_difference(const Mesh& mesh, NormalWeight weight) {
   const std::vector<glm::vec3> found = vertex_normals(mesh, weight).normals;
   const std::vector<PlainSum> expected = plain_sums(mesh, weight);
   double worst = 0;
   for (std::size_t v = 0; v < found.size(); ++v) {
     const double length = glm::length(expected[v].normal);
-    if (!(length > 1e-5 * expected[v].weight)) continue;
-    const double difference = glm::length(glm::dvec3(found[v]) - expected[v].normal / length);
-    worst = std::max(worst, difference * length / expected[v].weight);
+    if (!(length > 2e-6 * expected[v].weight)) continue;
+    worst = std::max(worst, glm::length(glm::dvec3(found[v]) - expected[v].normal / length));
   }
   return worst;
 }

@@ -35,6 +35,9 @@ struct alignas(64) Block {
 /// cancel.
 constexpr double cancelled = 1e-6;
 
+/// Below this share of the sum of its weights, the 1e-7 by which float shares are off shows in the direction.
+constexpr double uncertain = 0.25;
+
 /// atan(z) to 1.2e-7 of itself, for z in [0,1]: Chebyshev interpolation of atan(z)/z over z².
 constexpr float atan_coefficients[] = {0.999999881996f,  -0.333318126556f,  0.199669618296f,
                                        -0.140032901847f, 0.0986886545832f,  -0.0588297531472f,
@@ -54,21 +57,23 @@ double corner_weight(double doubled_area, const glm::dvec3& e1, const glm::dvec3
   return 0;
 }
 
-/// What one face adds, by the equations as one reads them: for the few faces of which the vectors cannot be
-/// sure.
-void add_odd_face(const glm::vec3* positions, const glm::uvec3& t, const std::uint32_t* group_of,
-                  NormalWeight weight, NormalSum* sums) {
+/// What one face adds, by the equations as one reads them: where float does not do.
+/// @param group_of   null: each vertex is its own.
+/// @param is_wanted  by group; null: all are.
+void add_face_exactly(const glm::vec3* positions, const glm::uvec3& t, const std::uint32_t* group_of,
+                      NormalWeight weight, const char* is_wanted, NormalSum* sums) {
   const glm::dvec3 p[3] = {glm::dvec3(positions[t[0]]), glm::dvec3(positions[t[1]]),
                            glm::dvec3(positions[t[2]])};
   const glm::dvec3 cross = area_vector(positions[t[0]], positions[t[1]], positions[t[2]]);
   const double length = glm::length(cross);
   if (!(length > 0)) return;
   for (int c = 0; c < 3; ++c) {
+    const std::uint32_t group = group_of == nullptr ? t[c] : group_of[t[c]];
+    if (is_wanted != nullptr && is_wanted[group] == 0) continue;
     const glm::dvec3 &here = p[c], &next = p[(c + 1) % 3], &last = p[(c + 2) % 3];
     const double w = corner_weight(length, next - here, last - here, weight);
-    NormalSum& sum = sums[group_of == nullptr ? t[c] : group_of[t[c]]];
-    for (int k = 0; k < 3; ++k) sum.normal[k] += cross[k] / length * w;
-    sum.weight += w;
+    for (int k = 0; k < 3; ++k) sums[group].normal[k] += cross[k] / length * w;
+    sums[group].weight += w;
   }
 }
 
@@ -271,7 +276,7 @@ void add_all(const glm::vec3* positions, const glm::uvec3* triangles, std::size_
     for (std::size_t i = 0; i < n_here; ++i) {
       const glm::uvec3& t = triangles[first + i];
       if (std::isnan(block.corners[0][4 * i])) {
-        add_odd_face(positions, t, group_of, weight, sums);
+        add_face_exactly(positions, t, group_of, weight, nullptr, sums);
         continue;
       }
       for (int c = 0; c < 3; ++c) {
@@ -329,11 +334,11 @@ IndexRange range_of(const std::uint32_t* indices, std::size_t n) {
   return {first, last};
 }
 
-std::size_t unit_normals_of(const NormalSum* sums, std::size_t n, glm::vec3* normals) {
+UnitNormalCounts unit_normals_of(const NormalSum* sums, std::size_t n, glm::vec3* normals) {
   const Doubles d;
   const Floats f;
   const std::size_t lanes = hn::Lanes(d);
-  std::size_t n_without = 0;
+  UnitNormalCounts counts;
   for (std::size_t i = 0; i + lanes <= n; i += lanes) {
     D3 sum;
     D weight;
@@ -343,9 +348,10 @@ std::size_t unit_normals_of(const NormalSum* sums, std::size_t n, glm::vec3* nor
     const D reciprocal = hn::IfThenElseZero(has_direction, hn::Div(hn::Set(d, 1.0), length));
     const F3 normal = demote(scale(sum, reciprocal));
     hn::StoreInterleaved3(normal.x, normal.y, normal.z, f, &normals[i].x);
-    n_without += lanes - hn::CountTrue(d, has_direction);
+    counts.n_without += lanes - hn::CountTrue(d, has_direction);
+    counts.n_uncertain += hn::CountTrue(d, hn::Lt(length, hn::Mul(weight, hn::Set(d, uncertain))));
   }
-  return n_without;
+  return counts;
 }
 
 }  // namespace
@@ -395,19 +401,34 @@ void add_faces(std::span<const glm::vec3> positions, std::span<const glm::uvec3>
    sums.data());
 }
 
-std::size_t unit_normals(std::span<const NormalSum> sums, std::span<glm::vec3> normals) {
+void add_faces_exactly(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles,
+                       std::span<const std::uint32_t> group_of, NormalWeight weight,
+                       std::span<const char> is_wanted, std::span<NormalSum> sums) {
+  const auto is_named = [&](std::uint32_t v) { return is_wanted[group_of.empty() ? v : group_of[v]] != 0; };
+  for (const glm::uvec3& t : triangles)
+    if (is_named(t.x) || is_named(t.y) || is_named(t.z))
+      add_face_exactly(positions.data(), t, group_of.empty() ? nullptr : group_of.data(), weight,
+                       is_wanted.data(), sums.data());
+}
+
+bool is_uncertain(const NormalSum& sum) {
+  const auto& [x, y, z] = sum.normal;
+  return std::sqrt(x * x + y * y + z * z) < sum.weight * uncertain;
+}
+
+UnitNormalCounts unit_normals(std::span<const NormalSum> sums, std::span<glm::vec3> normals) {
   // The rest as one vector more, filled with sums of one direction.
   constexpr std::size_t n_lanes = 8;
   const std::size_t n_whole = sums.size() / n_lanes * n_lanes;
   const auto kernel = HWY_DYNAMIC_DISPATCH(unit_normals_of);
-  std::size_t n_without = kernel(sums.data(), n_whole, normals.data());
+  const UnitNormalCounts whole = kernel(sums.data(), n_whole, normals.data());
   NormalSum last_sums[n_lanes];
   glm::vec3 last_normals[n_lanes];
   std::fill(std::begin(last_sums), std::end(last_sums), NormalSum{{1, 0, 0}, 1});
   std::copy(sums.begin() + static_cast<std::ptrdiff_t>(n_whole), sums.end(), last_sums);
-  n_without += kernel(last_sums, n_lanes, last_normals);
+  const UnitNormalCounts last = kernel(last_sums, n_lanes, last_normals);
   std::copy_n(last_normals, sums.size() - n_whole, normals.begin() + static_cast<std::ptrdiff_t>(n_whole));
-  return n_without;
+  return {whole.n_without + last.n_without, whole.n_uncertain + last.n_uncertain};
 }
 
 }  // namespace lambake

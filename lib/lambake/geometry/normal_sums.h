@@ -32,13 +32,25 @@ struct IndexRange {
 IndexRange index_range(std::span<const glm::uvec3> triangles, std::span<const std::uint32_t> group_of);
 
 /// Adds the faces to the sums of their corners' groups, in the order of the faces: the same bits on every
-/// vector path. Weights are right to float's accuracy, relative to their own size; so are directions, for
-/// slivers too.
+/// vector path. A share is right to float's accuracy, some 1e-7 of itself, for slivers too.
 void add_faces(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles,
                std::span<const std::uint32_t> group_of, NormalWeight weight, std::span<NormalSum> sums);
 
+/// The same in double, for the groups alone that are wanted.
+void add_faces_exactly(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles,
+                       std::span<const std::uint32_t> group_of, NormalWeight weight,
+                       std::span<const char> is_wanted, std::span<NormalSum> sums);
+
+/// True for a sum that is short, as its faces look apart: the shares of add_faces() are not exact enough for
+/// it.
+bool is_uncertain(const NormalSum& sum);
+
+struct UnitNormalCounts {
+  std::size_t n_without = 0;    ///< Sums that have no direction.
+  std::size_t n_uncertain = 0;  ///< By is_uncertain().
+};
+
 /// The directions of the sums; (0,0,0) where there is none: the faces cancel, or there are none.
-/// @returns how many have none.
-std::size_t unit_normals(std::span<const NormalSum> sums, std::span<glm::vec3> normals);
+UnitNormalCounts unit_normals(std::span<const NormalSum> sums, std::span<glm::vec3> normals);
 
 }  // namespace lambake

@@ -48,57 +48,98 @@ std::vector<std::vector<Chunk>> rounds_of_chunks(const Mesh& mesh, std::span<con
   return rounds;
 }
 
-/// Vertices of a face that have no direction.
-std::size_t count_undefined(const Mesh& mesh, std::span<const std::uint32_t> group_of,
-                            std::span<const glm::vec3> normals) {
-  const auto group = [&](std::uint32_t v) { return group_of.empty() ? v : group_of[v]; };
-  std::vector<bool> is_used;
-  for (const glm::uvec3& t : mesh.triangles)
-    for (int c = 0; c < 3; ++c) {
-      const std::uint32_t g = group(t[c]);
-      if (g >= is_used.size()) is_used.resize(g + 1, false);
-      is_used[g] = true;
+/// What vertex_normals() works on: the faces, and the groups of vertices that get one normal each.
+class GroupNormals {
+ public:
+  GroupNormals(const Mesh& mesh, NormalWeight weight)
+      : mesh_(mesh),
+        weight_(weight),
+        group_of_(mesh.normal_groups.empty() ? mesh.source_vertices : mesh.normal_groups) {
+    std::size_t n_groups = group_of_.empty() ? mesh.n_vertices() : 0;
+    for (const std::uint32_t g : group_of_) n_groups = std::max<std::size_t>(n_groups, g + 1);
+    storage_ = std::make_unique_for_overwrite<NormalSum[]>(n_groups);
+    sums_ = {storage_.get(), n_groups};
+    rounds_ = rounds_of_chunks(mesh, group_of_);
+  }
+
+  VertexNormals run() {
+    parallel_blocks(sums_.size(), block_size, [&](std::size_t begin, std::size_t end) {
+      std::fill_n(&sums_[begin], end - begin, NormalSum{});
+    });
+    for_each_chunk([&](std::span<const glm::uvec3> triangles) {
+      add_faces(mesh_.positions, triangles, group_of_, weight_, sums_);
+    });
+    VertexNormals result;
+    result.normals.resize(sums_.size());
+    UnitNormalCounts counts = make_units(result.normals);
+    if (counts.n_uncertain > 0) {
+      sum_uncertain_again();
+      counts = make_units(result.normals);
     }
-  std::size_t n = 0;
-  for (std::uint32_t v = 0; v < normals.size(); ++v)
-    n += normals[v] == glm::vec3(0) && group(v) < is_used.size() && is_used[group(v)];
-  return n;
-}
+    if (!group_of_.empty()) {
+      std::vector<glm::vec3> normals(mesh_.n_vertices());
+      for (std::size_t v = 0; v < normals.size(); ++v) normals[v] = result.normals[group_of_[v]];
+      result.normals = std::move(normals);
+    }
+    if (counts.n_without > 0) result.undefined = count_undefined(result.normals);
+    return result;
+  }
+
+ private:
+  template <typename Body>
+  void for_each_chunk(const Body& body) {
+    const std::span<const glm::uvec3> triangles(mesh_.triangles);
+    for (const std::vector<Chunk>& round : rounds_)
+      parallel_blocks(round.size(), 1, [&](std::size_t i, std::size_t) {
+        body(triangles.subspan(round[i].begin, round[i].end - round[i].begin));
+      });
+  }
+
+  UnitNormalCounts make_units(std::span<glm::vec3> normals) const {
+    std::atomic<std::size_t> n_without{0}, n_uncertain{0};
+    parallel_blocks(sums_.size(), block_size, [&](std::size_t begin, std::size_t end) {
+      const UnitNormalCounts counts =
+          unit_normals(sums_.subspan(begin, end - begin), normals.subspan(begin, end - begin));
+      n_without += counts.n_without;
+      n_uncertain += counts.n_uncertain;
+    });
+    return {n_without, n_uncertain};
+  }
+
+  void sum_uncertain_again() {
+    std::vector<char> is_wanted(sums_.size());
+    for (std::size_t g = 0; g < sums_.size(); ++g) {
+      is_wanted[g] = is_uncertain(sums_[g]);
+      if (is_wanted[g] != 0) sums_[g] = NormalSum{};
+    }
+    for_each_chunk([&](std::span<const glm::uvec3> triangles) {
+      add_faces_exactly(mesh_.positions, triangles, group_of_, weight_, is_wanted, sums_);
+    });
+  }
+
+  /// Vertices of a face that have no direction.
+  std::size_t count_undefined(std::span<const glm::vec3> normals) const {
+    const auto group = [&](std::uint32_t v) { return group_of_.empty() ? v : group_of_[v]; };
+    std::vector<bool> is_used(sums_.size(), false);
+    for (const glm::uvec3& t : mesh_.triangles)
+      for (int c = 0; c < 3; ++c) is_used[group(t[c])] = true;
+    std::size_t n = 0;
+    for (std::uint32_t v = 0; v < normals.size(); ++v) n += normals[v] == glm::vec3(0) && is_used[group(v)];
+    return n;
+  }
+
+  const Mesh& mesh_;
+  NormalWeight weight_;
+  std::span<const std::uint32_t> group_of_;  // By vertex, or none: each its own.
+  std::unique_ptr<NormalSum[]> storage_;
+  std::span<NormalSum> sums_;  // By group.
+  std::vector<std::vector<Chunk>> rounds_;
+};
 
 }  // namespace
 
 VertexNormals vertex_normals(const Mesh& mesh, NormalWeight weight) {
-  const std::span<const std::uint32_t> group_of =
-      mesh.normal_groups.empty() ? mesh.source_vertices : mesh.normal_groups;
-  std::size_t n_groups = group_of.empty() ? mesh.n_vertices() : 0;
-  for (const std::uint32_t g : group_of) n_groups = std::max<std::size_t>(n_groups, g + 1);
-
-  const auto storage = std::make_unique_for_overwrite<NormalSum[]>(n_groups);
-  const std::span<NormalSum> sums(storage.get(), n_groups);
-  parallel_blocks(n_groups, block_size, [&](std::size_t begin, std::size_t end) {
-    std::fill_n(&sums[begin], end - begin, NormalSum{});
-  });
-  for (const std::vector<Chunk>& round : rounds_of_chunks(mesh, group_of))
-    parallel_blocks(round.size(), 1, [&](std::size_t i, std::size_t) {
-      const std::span<const glm::uvec3> triangles(mesh.triangles);
-      add_faces(mesh.positions, triangles.subspan(round[i].begin, round[i].end - round[i].begin), group_of,
-                weight, sums);
-    });
-
-  VertexNormals result;
-  result.normals.resize(n_groups);
-  std::atomic<std::size_t> n_without{0};
-  parallel_blocks(n_groups, block_size, [&](std::size_t begin, std::size_t end) {
-    n_without +=
-        unit_normals(sums.subspan(begin, end - begin), std::span(result.normals).subspan(begin, end - begin));
-  });
-  if (!group_of.empty()) {
-    std::vector<glm::vec3> normals(mesh.n_vertices());
-    for (std::size_t v = 0; v < normals.size(); ++v) normals[v] = result.normals[group_of[v]];
-    result.normals = std::move(normals);
-  }
-  if (n_without > 0) result.undefined = count_undefined(mesh, group_of, result.normals);
-  return result;
+  return GroupNormals(mesh, weight).run();
 }
 
 std::vector<glm::vec3> face_normals(const Mesh& mesh) {
