@@ -1,13 +1,16 @@
-// A whole `lambake bake` of a binary PLY of 1 M vertices and 2 M triangles to GLB, against OpenMesh's reader
-// filling plain arrays and a write of as many bytes as the GLB has. `tool/bench` runs it and prints the
-// ratio.
+// A whole `lambake bake` of 1 M vertices and 2 M triangles to GLB, against OpenMesh's reader filling plain
+// arrays: from a binary PLY with a write of as many bytes as the GLB has, from text alone. `tool/bench` runs
+// it and prints the ratios.
 #include <benchmark/benchmark.h>
 
 #include <OpenMesh/Core/IO/IOManager.hh>
 #include <OpenMesh/Core/IO/importer/BaseImporter.hh>
+#include <OpenMesh/Core/IO/reader/OBJReader.hh>
 #include <OpenMesh/Core/IO/reader/PLYReader.hh>
 #include <filesystem>
 #include <fstream>
+#include <map>
+#include <string>
 
 #include "lambake/bake/bake.h"
 #include "lambake/geometry/normals.h"
@@ -80,31 +83,55 @@ class BareImporter : public IO::BaseImporter {
 
 const std::filesystem::path folder = std::filesystem::temp_directory_path() / "lambake_bench";
 
-std::string ply_file() {
-  static const std::string path = [] {
-    std::filesystem::create_directories(folder);
-    const Mesh mesh = wavy_floor(1000);
-    std::ofstream file(folder / "floor.ply", std::ios::binary);
-    file << "ply\nformat binary_little_endian 1.0\nelement vertex " << mesh.n_vertices()
+enum class Format { binary_ply, ascii_ply, obj };
+
+/// The floor of 1 M vertices and 2 M triangles as a file; made once.
+std::string floor_file(Format format) {
+  static std::map<Format, std::string> made;
+  std::string& path = made[format];
+  if (!path.empty()) return path;
+  std::filesystem::create_directories(folder);
+  const Mesh mesh = wavy_floor(1000);
+  path = (folder / (format == Format::obj         ? "floor.obj"
+                    : format == Format::ascii_ply ? "ascii.ply"
+                                                  : "floor.ply"))
+             .string();
+  std::ofstream file(path, std::ios::binary);
+  if (format != Format::obj)
+    file << "ply\nformat " << (format == Format::ascii_ply ? "ascii" : "binary_little_endian")
+         << " 1.0\nelement vertex " << mesh.n_vertices()
          << "\nproperty float x\nproperty float y\nproperty float z\nelement face " << mesh.n_triangles()
          << "\nproperty list uchar int vertex_indices\nend_header\n";
-    file.write(reinterpret_cast<const char*>(mesh.positions.data()),
-               static_cast<std::streamsize>(sizeof(glm::vec3) * mesh.n_vertices()));
-    for (const glm::uvec3& t : mesh.triangles) {
-      file.put(3);
-      file.write(reinterpret_cast<const char*>(&t), sizeof t);
-    }
-    return (folder / "floor.ply").string();
-  }();
+  for (const glm::vec3& p : mesh.positions) {
+    if (format == Format::binary_ply)
+      file.write(reinterpret_cast<const char*>(&p), sizeof p);
+    else
+      file << (format == Format::obj ? "v " : "") << p.x << ' ' << p.y << ' ' << p.z << '\n';
+  }
+  for (const glm::uvec3& t : mesh.triangles) {
+    if (format == Format::binary_ply)
+      file.put(3).write(reinterpret_cast<const char*>(&t), sizeof t);
+    else if (format == Format::ascii_ply)
+      file << "3 " << t.x << ' ' << t.y << ' ' << t.z << '\n';
+    else
+      file << "f " << t.x + 1 << ' ' << t.y + 1 << ' ' << t.z + 1 << '\n';
+  }
   return path;
 }
 
+void openmesh_reads(const std::string& path, BareImporter& importer, benchmark::State& state) {
+  IO::Options options;
+  IO::BaseReader& reader =
+      path.ends_with(".obj") ? static_cast<IO::BaseReader&>(IO::OBJReader()) : IO::PLYReader();
+  if (!reader.read(path, importer, options) || importer.n_vertices() != 1000000)
+    state.SkipWithError("OpenMesh could not read");
+}
+
 void openmesh_reads_and_bytes_are_written(benchmark::State& state) {
-  ply_file();
+  const std::string path = floor_file(Format::binary_ply);
   for (auto _ : state) {
     BareImporter importer;
-    IO::Options options;
-    if (!IO::PLYReader().read(ply_file(), importer, options)) state.SkipWithError("OpenMesh could not read");
+    openmesh_reads(path, importer, state);
     // As many bytes as the GLB below: position, normal, colour of 16 bit, indices.
     const std::vector<char> bytes(importer.n_vertices() * 32 + importer.n_faces() * 12, 1);
     std::ofstream(folder / "bytes", std::ios::binary)
@@ -116,16 +143,43 @@ BENCHMARK(openmesh_reads_and_bytes_are_written)
     ->UseRealTime()
     ->Unit(benchmark::kMillisecond);
 
-void bake_ply_to_glb(benchmark::State& state) {
-  ply_file();
+void openmesh_reads(benchmark::State& state, Format format) {
+  const std::string path = floor_file(format);
   for (auto _ : state) {
-    SceneFile file = read_scene_file(ply_file());
+    BareImporter importer;
+    openmesh_reads(path, importer, state);
+  }
+}
+BENCHMARK_CAPTURE(openmesh_reads, ascii_ply, Format::ascii_ply)
+    ->MeasureProcessCPUTime()
+    ->UseRealTime()
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(openmesh_reads, obj, Format::obj)
+    ->MeasureProcessCPUTime()
+    ->UseRealTime()
+    ->Unit(benchmark::kMillisecond);
+
+void bake_to_glb(benchmark::State& state, Format format) {
+  const std::string path = floor_file(format);
+  for (auto _ : state) {
+    SceneFile file = read_scene_file(path);
     file.scene.mesh.normals = vertex_normals(file.scene.mesh, NormalWeight::angle).normals;
     file.scene.lights.resize(1);
     write_gltf_file((folder / "floor.glb").string(), file, bake(file.scene, {}), {});
   }
 }
-BENCHMARK(bake_ply_to_glb)->MeasureProcessCPUTime()->UseRealTime()->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(bake_to_glb, binary_ply, Format::binary_ply)
+    ->MeasureProcessCPUTime()
+    ->UseRealTime()
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(bake_to_glb, ascii_ply, Format::ascii_ply)
+    ->MeasureProcessCPUTime()
+    ->UseRealTime()
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(bake_to_glb, obj, Format::obj)
+    ->MeasureProcessCPUTime()
+    ->UseRealTime()
+    ->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace lambake

@@ -47,6 +47,22 @@ std::string ply_binary(bool is_big_endian) {
   return bytes;
 }
 
+/// What take_plain_ply() takes.
+std::string ply_plain() {
+  std::string bytes =
+      "ply\nformat binary_little_endian 1.0\ncomment with one\nelement vertex 5\nproperty float x\n"
+      "property float y\nproperty float z\nelement face 3\nproperty list uchar int "
+      "vertex_indices\nend_header\n";
+  for (const auto& p : corners)
+    for (const float coordinate : p) append(bytes, coordinate);
+  const std::vector<std::vector<std::int32_t>> faces{{0, 1, 4}, {1, 2, 4}, {0, 3, 2, 1}};
+  for (const auto& face : faces) {
+    append(bytes, static_cast<std::uint8_t>(face.size()));
+    for (const std::int32_t v : face) append(bytes, v);
+  }
+  return bytes;
+}
+
 std::string stl_binary() {
   std::string bytes = "solid, though binary";
   bytes.resize(80, ' ');
@@ -117,6 +133,7 @@ std::vector<SampleFile> sample_mesh_files() {
           text("strips.ply", ply_strips, "4", 1),
           binary("little.ply", ply_binary(false)),
           binary("big.ply", ply_binary(true)),
+          binary("plain.ply", ply_plain()),
           {"mesh.obj", obj},
           text("plain.off", off, "1 0 0 255", 1),
           text("attributes.off", coff, "1", 1),

@@ -2,7 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <limits>
+#include <map>
+#include <random>
+#include <set>
+#include <utility>
 
 #include "lambake/geometry/creases.h"
 #include "shapes.h"
@@ -97,6 +103,60 @@ TEST(Defects, CopiesMadeAtCreases_DoNotOpenTheMesh) {
   EXPECT_TRUE(d.is_closed);
   EXPECT_EQ(d.components, 1U);
   EXPECT_EQ(d.isolated_vertices + d.duplicate_positions, 0U);
+}
+
+TEST(Defects, RandomFaces_AreCountedAsOneByOne) {
+  std::mt19937 engine(5);
+  for (const std::uint32_t n_vertices : {3U, 5U, 12U, 200U})
+    for (int round = 0; round < 20; ++round) {
+      // On a grid, so that some triangles have no area.
+      Mesh mesh;
+      for (std::uint32_t v = 0; v < n_vertices; ++v)
+        mesh.positions.emplace_back(engine() % 4, engine() % 4, engine() % 2);
+      for (int f = 0; f < 300; ++f)
+        mesh.triangles.emplace_back(engine() % n_vertices, engine() % n_vertices, engine() % n_vertices);
+
+      std::map<std::pair<std::uint32_t, std::uint32_t>, std::array<std::size_t, 2>> edges;
+      std::map<std::set<std::uint32_t>, std::size_t> faces;
+      Defects expected;
+      for (const glm::uvec3& t : mesh.triangles) {
+        const std::set<std::uint32_t> named{t.x, t.y, t.z};
+        expected.repeated_vertex_faces += named.size() < 3;
+        if (named.size() < 3) continue;
+        ++faces[named];
+        for (int c = 0; c < 3; ++c) {
+          const std::uint32_t from = t[c], to = t[(c + 1) % 3];
+          ++edges[{std::min(from, to), std::max(from, to)}][from > to];
+        }
+        const glm::dvec3 p0(mesh.positions[t.x]), p1(mesh.positions[t.y]), p2(mesh.positions[t.z]);
+        expected.zero_area_faces += glm::cross(p1 - p0, p2 - p0) == glm::dvec3(0);
+      }
+      for (const auto& [face, n] : faces) expected.duplicate_faces += n - 1;
+      for (const auto& [edge, n] : edges) {
+        expected.border_edges += n[0] + n[1] == 1;
+        expected.non_manifold_edges += n[0] + n[1] > 2;
+        expected.conflicting_edges += n[0] > 1 || n[1] > 1;
+      }
+      const Defects found = find_defects(mesh);
+      EXPECT_EQ(found.repeated_vertex_faces, expected.repeated_vertex_faces);
+      EXPECT_EQ(found.zero_area_faces, expected.zero_area_faces);
+      EXPECT_EQ(found.duplicate_faces, expected.duplicate_faces);
+      EXPECT_EQ(found.border_edges, expected.border_edges);
+      EXPECT_EQ(found.non_manifold_edges, expected.non_manifold_edges);
+      EXPECT_EQ(found.conflicting_edges, expected.conflicting_edges);
+    }
+}
+
+TEST(Defects, SliversAmongSoundFaces_AreWithoutAreaOnlyBelowATrillionth) {
+  for (const float scale : {1.0f, 1e-15f, 1e15f})
+    for (const float height : {1e-3f, 1e-7f, 1e-11f, 1e-13f, 0.0f}) {
+      Mesh mesh = height_field(40);
+      const auto n = static_cast<std::uint32_t>(mesh.n_vertices());
+      mesh.positions.insert(mesh.positions.end(), {{0, 0, 0}, {1, 0, 0}, {0.5f, 0, height}});
+      mesh.triangles.insert(mesh.triangles.begin() + 777, {n, n + 1, n + 2});
+      for (glm::vec3& p : mesh.positions) p *= scale;
+      EXPECT_EQ(find_defects(mesh).zero_area_faces, height < 1e-12f ? 1U : 0U) << height << " " << scale;
+    }
 }
 
 TEST(Defects, PartsThatShareNoVertex_AreComponents) {

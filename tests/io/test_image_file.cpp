@@ -7,6 +7,8 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <thread>
+#include <vector>
 
 #include "lambake/core/error.h"
 
@@ -90,6 +92,22 @@ TEST(ImageFile, EncodedPng_IsTheFileAndDecodesUnderAnyName) {
   EXPECT_EQ(png, contents(folder.file("a.png")));
   expect_srgb_rounded(decode_image(bytes_of(png), "texture 3"), ramp());
   expect_srgb_rounded(decode_image(bytes_of(png), "lies.jpg"), ramp());
+}
+
+TEST(ImageFile, ManyThreadsAtOnce_FromTheFirstUseOn_GetTheSame) {
+  std::vector<std::string> encoded(8);
+  std::vector<Image> decoded(encoded.size());
+  std::vector<std::thread> threads;
+  for (std::size_t i = 0; i < encoded.size(); ++i)
+    threads.emplace_back([&, i] {
+      encoded[i] = encode_png(ramp());
+      decoded[i] = decode_image(bytes_of(encoded[i]), "of a thread");
+    });
+  for (std::thread& thread : threads) thread.join();
+  for (std::size_t i = 0; i < encoded.size(); ++i) {
+    EXPECT_EQ(encoded[i], encoded[0]);
+    expect_srgb_rounded(decoded[i], ramp());
+  }
 }
 
 TEST(ImageFile, AnyTruncatedPng_ThrowsOneLine) {

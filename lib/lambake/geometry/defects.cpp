@@ -2,13 +2,16 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <bit>
+#include <cstdint>
+#include <memory>
 #include <numeric>
 #include <span>
 
 #include "lambake/core/bounds.h"
 #include "lambake/core/parallel.h"
-#include "lambake/geometry/normals.h"
+#include "lambake/geometry/normal_sums.h"
 
 namespace lambake {
 namespace {
@@ -22,16 +25,29 @@ bool repeats_a_vertex(const glm::uvec3& t) {
   return t.x == t.y || t.y == t.z || t.z == t.x;
 }
 
-/// One side of a triangle as its lower vertex sees it.
-struct Side {
-  std::uint32_t high;      // The other vertex · 2, plus 1 if the side runs towards the lower one.
-  std::uint32_t opposite;  // The triangle's third vertex.
-};
+/// One side of a triangle as its lower vertex sees it, as a number to sort by: the other vertex · 2, plus 1
+/// if the side runs towards the lower one; below that the triangle's third vertex.
+using Side = std::uint64_t;
+
+Side make_side(std::uint32_t from, std::uint32_t to, std::uint32_t opposite) {
+  return Side{std::max(from, to)} << 33 | Side{from > to} << 32 | opposite;
+}
+std::uint32_t other_vertex(Side side) {
+  return static_cast<std::uint32_t>(side >> 33);
+}
+bool is_backward(Side side) {
+  return (side >> 32 & 1) != 0;
+}
+std::uint32_t opposite_vertex(Side side) {
+  return static_cast<std::uint32_t>(side);
+}
 
 /// The sides of all triangles that name three different vertices, by their lower vertex.
 struct SideTable {
   std::vector<std::size_t> begins;  // V + 1.
-  std::vector<Side> sides;
+  std::unique_ptr<Side[]> sides;
+
+  std::span<Side> sides_of(std::size_t v) const { return {&sides[begins[v]], begins[v + 1] - begins[v]}; }
 };
 
 SideTable make_side_table(const Mesh& mesh, std::size_t n_vertices) {
@@ -50,36 +66,51 @@ SideTable make_side_table(const Mesh& mesh, std::size_t n_vertices) {
       [&](std::uint32_t from, std::uint32_t to, std::uint32_t) { ++table.begins[std::min(from, to)]; });
   // Filled from the back, each begin ends where it belongs.
   std::partial_sum(table.begins.begin(), table.begins.end(), table.begins.begin());
-  table.sides.resize(table.begins.back());
+  table.sides = std::make_unique_for_overwrite<Side[]>(table.begins.back());
   for_each_side([&](std::uint32_t from, std::uint32_t to, std::uint32_t opposite) {
-    table.sides[--table.begins[std::min(from, to)]] = {std::max(from, to) * 2 + (from > to ? 1U : 0U),
-                                                       opposite};
+    table.sides[--table.begins[std::min(from, to)]] = make_side(from, to, opposite);
   });
   return table;
 }
 
+/// For the few sides that a vertex has; any number is sorted.
+void sort_sides(std::span<Side> sides) {
+  constexpr std::size_t few = 24;
+  if (sides.size() > few) return std::sort(sides.begin(), sides.end());
+  for (std::size_t i = 1; i < sides.size(); ++i) {
+    const Side side = sides[i];
+    std::size_t place = i;
+    for (; place > 0 && sides[place - 1] > side; --place) sides[place] = sides[place - 1];
+    sides[place] = side;
+  }
+}
+
 /// Counts what one vertex's sides tell: its edges to higher vertices, and the triangles whose lowest it is.
 void count_edges(std::span<Side> sides, Defects& d) {
-  std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
-    return a.high != b.high ? a.high < b.high : a.opposite < b.opposite;
-  });
+  sort_sides(sides);
   for (std::size_t begin = 0, end = 0; begin < sides.size(); begin = end) {
-    const std::uint32_t vertex = sides[begin].high / 2;
+    const std::uint32_t vertex = other_vertex(sides[begin]);
     std::size_t n_backward = 0;
-    for (; end < sides.size() && sides[end].high / 2 == vertex; ++end) n_backward += sides[end].high % 2;
+    for (; end < sides.size() && other_vertex(sides[end]) == vertex; ++end)
+      n_backward += is_backward(sides[end]);
     const std::size_t n = end - begin;
     d.border_edges += n == 1;
     d.non_manifold_edges += n > 2;
     d.conflicting_edges += n_backward > 1 || n - n_backward > 1;
-    if (n < 2) continue;
-    // Each triangle is looked at from the edge of its two lowest vertices. Forward and backward sides are
-    // each sorted by the third vertex.
+    // Each triangle is looked at from the edge of its two lowest vertices.
+    if (n == 2) {
+      const std::uint32_t opposite = opposite_vertex(sides[begin]);
+      d.duplicate_faces += opposite > vertex && opposite == opposite_vertex(sides[begin + 1]);
+    }
+    if (n <= 2) continue;
+    // Forward and backward sides are each sorted by the third vertex.
     std::size_t forward = begin, backward = end - n_backward;
     std::uint32_t last = 0;  // Opposite to an edge there is never vertex 0 above it.
     while (forward < end - n_backward || backward < end) {
-      const bool takes_forward = backward == end || (forward < end - n_backward &&
-                                                     sides[forward].opposite < sides[backward].opposite);
-      const std::uint32_t opposite = sides[takes_forward ? forward++ : backward++].opposite;
+      const bool takes_forward =
+          backward == end ||
+          (forward < end - n_backward && opposite_vertex(sides[forward]) < opposite_vertex(sides[backward]));
+      const std::uint32_t opposite = opposite_vertex(sides[takes_forward ? forward++ : backward++]);
       if (opposite <= vertex) continue;
       d.duplicate_faces += opposite == last;
       last = opposite;
@@ -88,13 +119,13 @@ void count_edges(std::span<Side> sides, Defects& d) {
 }
 
 void count_all_edges(const Mesh& mesh, std::size_t n_vertices, Defects& d) {
-  SideTable table = make_side_table(mesh, n_vertices);
+  const SideTable table = make_side_table(mesh, n_vertices);
   constexpr std::size_t block = 16384;
   std::vector<Defects> parts((n_vertices + block - 1) / block);
   parallel_blocks(n_vertices, block, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t v = begin; v < end; ++v)
-      count_edges(std::span(table.sides).subspan(table.begins[v], table.begins[v + 1] - table.begins[v]),
-                  parts[begin / block]);
+    Defects part;
+    for (std::size_t v = begin; v < end; ++v) count_edges(table.sides_of(v), part);
+    parts[begin / block] = part;
   });
   for (const Defects& part : parts) {
     d.border_edges += part.border_edges;
@@ -102,6 +133,31 @@ void count_all_edges(const Mesh& mesh, std::size_t n_vertices, Defects& d) {
     d.conflicting_edges += part.conflicting_edges;
     d.duplicate_faces += part.duplicate_faces;
   }
+}
+
+/// Triangles of three different vertices without area.
+std::size_t count_zero_area_faces(const Mesh& mesh) {
+  constexpr std::size_t block = 16384;
+  std::atomic<std::size_t> n{0};
+  parallel_blocks(mesh.n_triangles(), block, [&](std::size_t begin, std::size_t end) {
+    const std::span<const glm::uvec3> triangles(mesh.triangles);
+    if (have_area(mesh.positions, triangles.subspan(begin, end - begin))) return;
+    for (std::size_t f = begin; f < end; ++f) {
+      const glm::uvec3& t = mesh.triangles[f];
+      n += !repeats_a_vertex(source_triangle(mesh, f)) &&
+           area_vector(mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]) == glm::dvec3(0);
+    }
+  });
+  return n;
+}
+
+/// The positions of the file's vertices: those of the mesh, or made from them in `storage`.
+std::span<const glm::vec3> source_positions(const Mesh& mesh, std::size_t n_source,
+                                            std::vector<glm::vec3>& storage) {
+  if (mesh.source_vertices.empty()) return mesh.positions;
+  storage.resize(n_source);
+  for (std::size_t v = 0; v < mesh.n_vertices(); ++v) storage[mesh.source_vertices[v]] = mesh.positions[v];
+  return storage;
 }
 
 std::uint32_t find_root(std::vector<std::uint32_t>& parents, std::uint32_t i) {
@@ -124,7 +180,7 @@ std::size_t count_components(const Mesh& mesh, const std::vector<char>& is_used)
   return n;
 }
 
-std::size_t count_duplicate_positions(const std::vector<glm::vec3>& positions) {
+std::size_t count_duplicate_positions(std::span<const glm::vec3> positions) {
   // Compared as bits, with −0 made +0, so that the order is total.
   std::vector<std::array<std::uint32_t, 3>> bits;
   bits.reserve(positions.size());
@@ -142,30 +198,26 @@ std::size_t count_duplicate_positions(const std::vector<glm::vec3>& positions) {
 
 Defects find_defects(const Mesh& mesh, bool with_parts) {
   Defects d;
-  std::uint32_t n_source = 0;
-  for (std::size_t v = 0; v < mesh.n_vertices(); ++v)
-    n_source = std::max(n_source, mesh.source_vertex_of(v) + 1);
+  std::size_t n_source = mesh.source_vertices.empty() ? mesh.n_vertices() : 0;
+  for (const std::uint32_t v : mesh.source_vertices) n_source = std::max<std::size_t>(n_source, v + 1);
 
   std::vector<char> is_used(n_source, 0);
-  const std::vector<glm::vec3> normals = face_normals(mesh);
   for (std::size_t f = 0; f < mesh.n_triangles(); ++f) {
     const glm::uvec3 t = source_triangle(mesh, f);
     is_used[t.x] = is_used[t.y] = is_used[t.z] = 1;
-    const bool repeats = repeats_a_vertex(t);
-    d.repeated_vertex_faces += repeats;
-    d.zero_area_faces += !repeats && normals[f] == glm::vec3(0);
+    d.repeated_vertex_faces += repeats_a_vertex(t);
   }
-  std::vector<glm::vec3> source_positions(n_source);
-  for (std::size_t v = 0; v < mesh.n_vertices(); ++v)
-    source_positions[mesh.source_vertex_of(v)] = mesh.positions[v];
-  for (std::uint32_t v = 0; v < n_source; ++v) {
+  d.zero_area_faces = count_zero_area_faces(mesh);
+  std::vector<glm::vec3> storage;
+  const std::span<const glm::vec3> positions = source_positions(mesh, n_source, storage);
+  for (std::size_t v = 0; v < n_source; ++v) {
     d.isolated_vertices += !is_used[v];
-    d.non_finite_vertices += !is_finite(source_positions[v]);
+    d.non_finite_vertices += !is_finite(positions[v]);
   }
   count_all_edges(mesh, n_source, d);
   if (with_parts) {
     d.components = count_components(mesh, is_used);
-    d.duplicate_positions = count_duplicate_positions(source_positions);
+    d.duplicate_positions = count_duplicate_positions(positions);
   }
   d.is_closed = mesh.n_triangles() > 0 && d.border_edges == 0;
   d.is_consistently_wound = d.conflicting_edges == 0;

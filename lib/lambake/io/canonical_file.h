@@ -25,6 +25,7 @@ struct CanonicalFile {
   std::string extension;  ///< Which of OpenMesh's readers takes `bytes`.
   bool is_binary = true;  ///< What that reader is told.
   std::string bytes;
+  std::size_t begin = 0;       ///< Where in `bytes` it begins.
   std::size_t n_vertices = 0;  ///< V, as the file counts them.
   std::size_t n_faces = 0;     ///< As the file counts them.
   bool has_normals = false;    ///< A normal of each vertex is in `bytes`.

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstring>
+#include <cassert>
 #include <filesystem>
 #include <limits>
 
@@ -37,11 +37,32 @@ std::string uri_of(const std::string& name) {
   return uri;
 }
 
+/// The bytes of `buffers[0]`.
+std::uint64_t buffer_size(const GltfDocument& document) {
+  if (!document.bin.empty() || document.lent.empty()) return bin_offset(document) + document.bin.size();
+  std::uint64_t size = 0;  // The last part is not padded.
+  for (const std::span<const unsigned char> bytes : document.lent) size = padded(size) + bytes.size();
+  return size;
+}
+
+void write_buffer(OutputFile& file, const GltfDocument& document) {
+  constexpr char zeros[] = "\0\0\0";
+  std::uint64_t size = 0;
+  for (const std::span<const unsigned char> bytes : document.lent) {
+    file.write(zeros, padded(size) - size);
+    file.write(bytes.data(), bytes.size());
+    size = padded(size) + bytes.size();
+  }
+  if (document.bin.empty()) return;
+  file.write(zeros, padded(size) - size);
+  file.write(document.bin.data(), document.bin.size());
+}
+
 void write_glb(const std::string& path, const GltfDocument& document) {
   const std::string text = document.json.dump();
-  const std::vector<unsigned char>& bin = document.bin;
-  check_glb_size(path, text.size(), bin.size());
-  const std::uint64_t bin_part = bin.empty() ? 0 : 8 + padded(bin.size());
+  const std::uint64_t bin_size = buffer_size(document);
+  check_glb_size(path, text.size(), bin_size);
+  const std::uint64_t bin_part = bin_size == 0 ? 0 : 8 + padded(bin_size);
   const char spaces[] = "   ", zeros[] = "\0\0\0";
   OutputFile file(path);
   write_u32(file, glb_magic);
@@ -51,23 +72,24 @@ void write_glb(const std::string& path, const GltfDocument& document) {
   write_u32(file, json_chunk);
   file.write(text);
   file.write(spaces, padded(text.size()) - text.size());
-  if (!bin.empty()) {
-    write_u32(file, padded(bin.size()));
+  if (bin_size != 0) {
+    write_u32(file, padded(bin_size));
     write_u32(file, bin_chunk);
-    file.write(bin.data(), bin.size());
-    file.write(zeros, padded(bin.size()) - bin.size());
+    write_buffer(file, document);
+    file.write(zeros, padded(bin_size) - bin_size);
   }
   file.commit();
 }
 
 void write_gltf_and_bin(const std::string& path, GltfDocument& document) {
   const std::filesystem::path bin_path = std::filesystem::path(path).replace_extension(".bin");
-  if (!document.bin.empty()) document.json["buffers"][0]["uri"] = uri_of(bin_path.filename().string());
+  const bool has_buffer = buffer_size(document) != 0;
+  if (has_buffer) document.json["buffers"][0]["uri"] = uri_of(bin_path.filename().string());
   OutputFile file(path);
   file.write(document.json.dump(2) + "\n");
-  if (!document.bin.empty()) {
+  if (has_buffer) {
     OutputFile bin(bin_path.string());
-    bin.write(document.bin.data(), document.bin.size());
+    write_buffer(bin, document);
     bin.commit();
   }
   file.commit();
@@ -75,28 +97,29 @@ void write_gltf_and_bin(const std::string& path, GltfDocument& document) {
 
 }  // namespace
 
-IndexElements::IndexElements(const std::vector<glm::uvec3>& triangles, std::size_t n_vertices)
-    : count_(3 * triangles.size()) {
+std::size_t bin_offset(const GltfDocument& document) {
+  std::uint64_t size = 0;
+  for (const std::span<const unsigned char> bytes : document.lent) size += padded(bytes.size());
+  return size;
+}
+
+IndexElements::IndexElements(std::span<const glm::uvec3> triangles, std::size_t n_vertices)
+    : triangles_(triangles) {
   // 65535 is kept free: it restarts primitives on some hardware.
-  const bool is_short = n_vertices <= std::numeric_limits<std::uint16_t>::max();
-  component_type_ = is_short ? gltf::unsigned_short : gltf::unsigned_int;
-  bytes_.resize(count_ * (is_short ? 2 : 4));
-  unsigned char* to = bytes_.data();
+  if (n_vertices > std::numeric_limits<std::uint16_t>::max()) return;
+  short_.reserve(3 * triangles.size());
   for (const glm::uvec3& t : triangles)
-    for (int c = 0; c < 3; ++c) {
-      const auto index16 = static_cast<std::uint16_t>(t[c]);
-      const std::uint32_t index32 = t[c];
-      if (is_short)
-        std::memcpy(to, &index16, 2), to += 2;
-      else
-        std::memcpy(to, &index32, 4), to += 4;
-    }
+    for (int c = 0; c < 3; ++c) short_.push_back(static_cast<std::uint16_t>(t[c]));
 }
 
 GltfElements IndexElements::elements() const {
-  return {.bytes = bytes_,
-          .count = count_,
-          .component_type = component_type_,
+  const bool is_short = short_.size() == 3 * triangles_.size();
+  const auto bytes_of = [](const auto& values) {
+    return std::span(reinterpret_cast<const unsigned char*>(values.data()), values.size() * sizeof values[0]);
+  };
+  return {.bytes = is_short ? bytes_of(short_) : bytes_of(triangles_),
+          .count = 3 * triangles_.size(),
+          .component_type = is_short ? gltf::unsigned_short : gltf::unsigned_int,
           .type = "SCALAR",
           .target = gltf::element_array_buffer};
 }
@@ -113,18 +136,25 @@ void use_extension(GltfJson& json, const char* name) {
 }
 
 std::size_t append_view(GltfDocument& document, std::span<const unsigned char> bytes, int target,
-                        std::size_t stride) {
+                        std::size_t stride, bool is_lent) {
+  assert(!is_lent || document.bin.empty());
   document.bin.resize(padded(document.bin.size()));
-  GltfJson view{{"buffer", 0}, {"byteOffset", document.bin.size()}, {"byteLength", bytes.size()}};
+  GltfJson view{{"buffer", 0},
+                {"byteOffset", bin_offset(document) + document.bin.size()},
+                {"byteLength", bytes.size()}};
   if (stride != 0) view["byteStride"] = stride;
   if (target != 0) view["target"] = target;
-  document.bin.insert(document.bin.end(), bytes.begin(), bytes.end());
+  if (is_lent) {
+    document.lent.push_back(bytes);
+  } else {
+    document.bin.insert(document.bin.end(), bytes.begin(), bytes.end());
+  }
   return append_to(document.json, "bufferViews", std::move(view));
 }
 
 std::size_t append_accessor(GltfDocument& document, const GltfElements& elements) {
   const std::size_t stride = elements.is_strided ? elements.bytes.size() / elements.count : 0;
-  const std::size_t view = append_view(document, elements.bytes, elements.target, stride);
+  const std::size_t view = append_view(document, elements.bytes, elements.target, stride, elements.is_lent);
   GltfJson accessor{{"bufferView", view},
                     {"componentType", elements.component_type},
                     {"count", elements.count},
@@ -142,10 +172,10 @@ void check_glb_size(const std::string& path, std::uint64_t n_json_bytes, std::ui
 }
 
 void write_document(const std::string& path, GltfDocument& document) {
-  if (!document.bin.empty()) {
+  if (const std::uint64_t size = buffer_size(document); size != 0) {
     GltfJson& buffers = document.json["buffers"];
     if (buffers.empty()) buffers.push_back(GltfJson::object());
-    buffers[0]["byteLength"] = document.bin.size();
+    buffers[0]["byteLength"] = size;
   }
   std::string extension = std::filesystem::path(path).extension().string();
   for (char& c : extension) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;

@@ -24,8 +24,15 @@ inline constexpr int array_buffer = 34962, element_array_buffer = 34963;
 
 struct GltfDocument {
   GltfJson json = GltfJson::object();
-  std::vector<unsigned char> bin;  ///< The bytes of `buffers[0]`, where the document has data of its own.
+  /// The first bytes of `buffers[0]`, each part 4-aligned, that are not copied: they have to outlive the
+  /// document.
+  std::vector<std::span<const unsigned char>> lent;
+  /// The bytes of `buffers[0]` behind those, where the document has data of its own.
+  std::vector<unsigned char> bin;
 };
+
+/// Where `bin` begins in `buffers[0]`, or where bytes would that are lent next.
+std::size_t bin_offset(const GltfDocument& document);
 
 /// Elements to be added: `count` of them, `bytes.size() / count` apart (a multiple of 4 for attributes).
 struct GltfElements {
@@ -36,23 +43,26 @@ struct GltfElements {
   bool is_normalized = false;
   int target = gltf::array_buffer;  ///< 0: none.
   bool is_strided = false;          ///< The elements are padded: the view says its stride.
+  bool is_lent = false;             ///< The bytes outlive the document: they are not copied.
 };
 
-/// Triangles as indices: of 16 bits where the vertices allow it, else of 32.
+/// Triangles as indices: of 16 bits where the vertices allow it, else of 32, which are the triangles' own
+/// bytes.
 class IndexElements {
  public:
-  IndexElements(const std::vector<glm::uvec3>& triangles, std::size_t n_vertices);
+  /// @param triangles  have to outlive the elements.
+  IndexElements(std::span<const glm::uvec3> triangles, std::size_t n_vertices);
   GltfElements elements() const;
 
  private:
-  std::vector<unsigned char> bytes_;
-  std::size_t count_;
-  int component_type_;
+  std::span<const glm::uvec3> triangles_;
+  std::vector<std::uint16_t> short_;  ///< 3 F, or none.
 };
 
-/// Appends bytes, 4-aligned, with a buffer view; returns the view's index.
+/// Appends bytes, 4-aligned, with a buffer view; returns the view's index. Once bytes are lent, all have to
+/// be.
 std::size_t append_view(GltfDocument& document, std::span<const unsigned char> bytes, int target,
-                        std::size_t stride);
+                        std::size_t stride, bool is_lent = false);
 
 /// Appends elements with their view and accessor; returns the accessor's index.
 std::size_t append_accessor(GltfDocument& document, const GltfElements& elements);

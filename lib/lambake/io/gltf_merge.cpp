@@ -10,8 +10,9 @@ namespace {
 constexpr const char* meshopt = "EXT_meshopt_compression";
 
 /// Views may hold any component type: buffers begin at multiples of 8.
-std::size_t aligned(std::size_t n_bytes) {
-  return (n_bytes + 7) / 8 * 8;
+void align(GltfDocument& document) {
+  static constexpr unsigned char zeros[4] = {};
+  if (bin_offset(document) % 8 != 0) document.lent.emplace_back(zeros);
 }
 
 /// Where the bytes of each buffer went.
@@ -70,9 +71,9 @@ void merge_buffers(const GltfAsset& asset, GltfDocument& document, Findings& fin
       continue;
     }
     const std::vector<unsigned char>& bytes = asset.model.buffers[i].data;
-    moved[i].offset = document.bin.empty() ? 0 : aligned(document.bin.size());
-    document.bin.resize(moved[i].offset);
-    document.bin.insert(document.bin.end(), bytes.begin(), bytes.end());
+    align(document);
+    moved[i].offset = bin_offset(document);
+    document.lent.emplace_back(bytes);
     buffer.erase("uri");
     if (first.is_null()) first = std::move(buffer);
   }

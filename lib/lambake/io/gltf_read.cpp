@@ -1,7 +1,10 @@
 #include <fmt/format.h>
 
 #include <limits>
+#include <numeric>
 #include <set>
+#include <utility>
+#include <vector>
 
 #include "lambake/core/error.h"
 #include "lambake/io/gltf.h"
@@ -18,6 +21,15 @@ namespace {
 
 std::size_t index_of(int i) {
   return static_cast<std::size_t>(i);
+}
+
+/// Appends; the first values, of most files the only ones, are not copied.
+template <typename T>
+void append(std::vector<T>& to, std::vector<T> values) {
+  if (to.empty())
+    to = std::move(values);
+  else
+    to.insert(to.end(), values.begin(), values.end());
 }
 
 class SceneReader {
@@ -107,7 +119,7 @@ class SceneReader {
     const tinygltf::Primitive& primitive = model().meshes[mesh_index].primitives[primitive_index];
     const std::string where = fmt::format("meshes[{}].primitives[{}]", mesh_index, primitive_index);
     Mesh& mesh = scene_.mesh;
-    const WorldVertices vertices = read_vertices(asset_, node, primitive, world_, where);
+    WorldVertices vertices = read_vertices(asset_, node, primitive, world_, where);
     const std::size_t n = vertices.positions.size();
     std::vector<glm::uvec3> triangles = read_triangles(asset_, primitive, n, where);
     const std::size_t n_most = mesh.n_vertices() + n + 3 * triangles.size();
@@ -120,10 +132,13 @@ class SceneReader {
     placed.source_begin = n_source_vertices_;
     placed.is_mirrored = vertices.is_mirrored;
     placed.triangle_begin = static_cast<std::uint32_t>(mesh.n_triangles());
-    mesh.positions.insert(mesh.positions.end(), vertices.positions.begin(), vertices.positions.end());
-    mesh.normals.insert(mesh.normals.end(), vertices.normals.begin(), vertices.normals.end());
+    const bool is_flat = vertices.normals.empty();
+    append(mesh.positions, std::move(vertices.positions));
+    append(mesh.normals, std::move(vertices.normals));
     mesh.normals.resize(mesh.n_vertices(), glm::vec3(0));
-    for (std::uint32_t i = 0; i < n; ++i) mesh.source_vertices.push_back(n_source_vertices_ + i);
+    std::vector<std::uint32_t> sources(n);
+    std::iota(sources.begin(), sources.end(), n_source_vertices_);
+    append(mesh.source_vertices, std::move(sources));
     n_source_vertices_ += static_cast<std::uint32_t>(n);
     read_colors(primitive, n, where);
     for (std::size_t set = 0; set < 2; ++set) read_texcoords(primitive, set, n, where);
@@ -133,10 +148,10 @@ class SceneReader {
     for (glm::uvec3& t : triangles) {
       t += placed.vertex_begin;
       if (vertices.is_mirrored) std::swap(t[1], t[2]);
-      mesh.triangles.push_back(t);
-      mesh.materials.push_back(material);
     }
-    if (vertices.normals.empty()) shade_flat(placed);
+    append(mesh.materials, std::vector(triangles.size(), material));
+    append(mesh.triangles, std::move(triangles));
+    if (is_flat) shade_flat(placed);
     placed.triangle_end = static_cast<std::uint32_t>(mesh.n_triangles());
     asset_.placed.push_back(placed);
   }
@@ -154,6 +169,7 @@ class SceneReader {
     const std::vector<float> values =
         read_attribute(asset_, primitive.attributes, "COLOR_0", n_components, n, where);
     const auto unit = [](float x) { return x >= 0 ? std::min(x, 1.0f) : 0.0f; };
+    if (mesh.colors.empty()) mesh.colors.reserve(n);
     for (std::size_t i = 0; i < n; ++i) {
       const float* c = values.data() + i * n_components;
       mesh.colors.push_back({unit(c[0]), unit(c[1]), unit(c[2])});

@@ -283,7 +283,8 @@ std::size_t PrimitiveRewriter::append_once(const GltfElements& elements, const s
     const std::size_t offset = view["byteOffset"], length = view["byteLength"];
     if (accessor["componentType"] == elements.component_type && accessor["type"] == elements.type &&
         accessor["count"] == elements.count && accessor.contains("min") == (semantic == "POSITION") &&
-        length == bytes.size() && std::memcmp(document_.bin.data() + offset, bytes.data(), length) == 0)
+        length == bytes.size() &&
+        std::memcmp(document_.bin.data() + (offset - bin_offset(document_)), bytes.data(), length) == 0)
       return it->second;
   }
   const std::size_t index = append_accessor(document_, elements);

@@ -1,9 +1,10 @@
 #include <fmt/format.h>
 
-#include <cmath>
-#include <cstring>
+#include <algorithm>
 #include <limits>
+#include <memory>
 #include <optional>
+#include <span>
 
 #include "lambake/core/bounds.h"
 #include "lambake/core/error.h"
@@ -18,23 +19,38 @@ namespace {
 /// The vertices and triangles of one primitive, by their indices in the mesh.
 struct Part {
   std::uint32_t material = 0;
+  bool is_whole = false;  ///< All of the mesh, as it is; the lists are empty.
   std::vector<std::uint32_t> vertices;
   std::vector<glm::uvec3> triangles;  ///< Of `vertices`.
 };
 
 template <typename T>
-std::span<const unsigned char> bytes_of(const std::vector<T>& values) {
+std::span<const unsigned char> bytes_of(std::span<const T> values) {
   return {reinterpret_cast<const unsigned char*>(values.data()), values.size() * sizeof(T)};
 }
 
-template <typename T>
-std::vector<T> gather(const std::vector<T>& values, const std::vector<std::uint32_t>& indices) {
-  std::vector<T> gathered;
-  if (values.empty()) return gathered;
-  gathered.reserve(indices.size());
-  for (const std::uint32_t i : indices) gathered.push_back(values[i]);
-  return gathered;
-}
+/// Arrays that the document borrows until it is written.
+class KeptArrays {
+ public:
+  template <typename T>
+  const T& keep(T array) {
+    const auto kept = std::make_shared<const T>(std::move(array));
+    arrays_.push_back(kept);
+    return *kept;
+  }
+  /// The values of a part's vertices: those of the mesh themselves where it is the whole of it.
+  template <typename T>
+  std::span<const T> of_part(const std::vector<T>& values, const Part& part) {
+    if (part.is_whole || values.empty()) return values;
+    std::vector<T> gathered;
+    gathered.reserve(part.vertices.size());
+    for (const std::uint32_t i : part.vertices) gathered.push_back(values[i]);
+    return keep(std::move(gathered));
+  }
+
+ private:
+  std::vector<std::shared_ptr<const void>> arrays_;
+};
 
 class NewAsset {
  public:
@@ -45,15 +61,16 @@ class NewAsset {
           fmt::format("glTF writing: expected {} colours, found {}", mesh_.n_vertices(), colors_.size()));
   }
 
+  /// The document borrows from the scene, the colours and this.
   WrittenColors build(GltfDocument& document) {
     document.json = {{"asset", {{"version", "2.0"}, {"generator", "lambake"}}},
                      {"scene", 0},
                      {"scenes", {{{"nodes", {0}}}}},
                      {"nodes", {{{"mesh", 0}}}},
                      {"meshes", {{{"primitives", GltfJson::array()}}}}};
-    const std::vector<Part> parts = split_by_material();
-    if (parts.empty()) throw InvalidScene("glTF writing: no triangle of finite vertices is left to write");
-    for (const Part& part : parts) {
+    parts_ = split_by_material();
+    if (parts_.empty()) throw InvalidScene("glTF writing: no triangle of finite vertices is left to write");
+    for (const Part& part : parts_) {
       GltfJson primitive = write_primitive(document, part);
       primitive["material"] = write_material(document, scene_.materials[part.material]);
       document.json["meshes"][0]["primitives"].push_back(std::move(primitive));
@@ -68,17 +85,17 @@ class NewAsset {
   /// One part per material that has triangles. Vertices keep their order; those of no triangle stay only
   /// where the mesh is one part.
   std::vector<Part> split_by_material() {
+    if (mesh_.materials.empty() && mesh_.n_triangles() > 0 &&
+        std::all_of(mesh_.positions.begin(), mesh_.positions.end(),
+                    [](const glm::vec3& p) { return is_finite(p); }))
+      return {Part{.is_whole = true, .vertices = {}, .triangles = {}}};
     std::vector<bool> is_sound(mesh_.n_vertices());
-    bool are_all_sound = true;
-    for (std::size_t v = 0; v < mesh_.n_vertices(); ++v) {
-      is_sound[v] = is_finite(mesh_.positions[v]);
-      are_all_sound = are_all_sound && is_sound[v];
-    }
+    for (std::size_t v = 0; v < mesh_.n_vertices(); ++v) is_sound[v] = is_finite(mesh_.positions[v]);
     std::vector<Part> parts(scene_.materials.size());
     std::size_t n_dropped = 0, n_materials = 0;
     for (std::size_t f = 0; f < mesh_.n_triangles(); ++f) {
       const glm::uvec3& t = mesh_.triangles[f];
-      if (!are_all_sound && !(is_sound[t[0]] && is_sound[t[1]] && is_sound[t[2]])) {
+      if (!(is_sound[t[0]] && is_sound[t[1]] && is_sound[t[2]])) {
         ++n_dropped;
         continue;
       }
@@ -117,56 +134,75 @@ class NewAsset {
       for (int c = 0; c < 3; ++c) t[c] = index[t[c]];
   }
 
+  template <typename T>
+  std::size_t lend(GltfDocument& document, std::span<const T> values, const char* type = "VEC3") {
+    return append_accessor(
+        document, {.bytes = bytes_of(values), .count = values.size(), .type = type, .is_lent = true});
+  }
+
   GltfJson write_primitive(GltfDocument& document, const Part& part) {
     GltfJson attributes = GltfJson::object();
-    const std::vector<glm::vec3> positions = gather(mesh_.positions, part.vertices);
-    const std::size_t n = positions.size();
-    attributes["POSITION"] = append_accessor(document, {.bytes = bytes_of(positions), .count = n});
+    const std::span<const glm::vec3> positions = kept_.of_part(mesh_.positions, part);
+    attributes["POSITION"] = lend(document, positions);
     const Bounds box = bounds_of(positions);
     GltfJson& accessor = document.json["accessors"].back();
     accessor["min"] = {box.min.x, box.min.y, box.min.z};
     accessor["max"] = {box.max.x, box.max.y, box.max.z};
-    if (!mesh_.normals.empty()) {
-      std::vector<glm::vec3> normals = gather(mesh_.normals, part.vertices);
-      for (glm::vec3& normal : normals)
-        if (!(glm::dot(normal, normal) > 0.5f)) normal = {0, 0, 1}, ++normals_replaced_;
-      attributes["NORMAL"] = append_accessor(document, {.bytes = bytes_of(normals), .count = n});
-    }
+    if (!mesh_.normals.empty())
+      attributes["NORMAL"] = lend(document, with_directions(kept_.of_part(mesh_.normals, part)));
     for (std::size_t set = 0; set < mesh_.texcoords.size(); ++set)
-      if (!mesh_.texcoords[set].empty()) {
-        const std::vector<glm::vec2> texcoords = gather(mesh_.texcoords[set], part.vertices);
+      if (!mesh_.texcoords[set].empty())
         attributes[fmt::format("TEXCOORD_{}", set)] =
-            append_accessor(document, {.bytes = bytes_of(texcoords), .count = n, .type = "VEC2"});
-      }
-    attributes[options_.attribute] = write_colors(document, part);
-    const IndexElements indices(part.triangles, part.vertices.size());
-    return {{"attributes", std::move(attributes)},
-            {"indices", append_accessor(document, indices.elements())}};
+            lend(document, kept_.of_part(mesh_.texcoords[set], part), "VEC2");
+    attributes[options_.attribute] = write_colors(document, part, positions.size());
+    const std::span<const glm::uvec3> triangles = part.is_whole ? mesh_.triangles : part.triangles;
+    GltfElements indices = kept_.keep(IndexElements(triangles, positions.size())).elements();
+    indices.is_lent = true;
+    return {{"attributes", std::move(attributes)}, {"indices", append_accessor(document, indices)}};
   }
 
-  std::size_t write_colors(GltfDocument& document, const Part& part) {
+  /// glTF forbids normals of no direction.
+  std::span<const glm::vec3> with_directions(std::span<const glm::vec3> normals) {
+    const auto has_none = [](const glm::vec3& n) { return !(glm::dot(n, n) > 0.5f); };
+    const auto n_without = static_cast<std::size_t>(std::count_if(normals.begin(), normals.end(), has_none));
+    normals_replaced_ += n_without;
+    if (n_without == 0) return normals;
+    std::vector<glm::vec3> replaced(normals.begin(), normals.end());
+    std::replace_if(replaced.begin(), replaced.end(), has_none, glm::vec3(0, 0, 1));
+    return kept_.keep(std::move(replaced));
+  }
+
+  std::size_t write_colors(GltfDocument& document, const Part& part, std::size_t n_vertices) {
     const Material& material = scene_.materials[part.material];
     const bool folds_emission = can_fold_emission(material);
     if (has_emission(material) && !folds_emission)
-      add_finding(written_.findings, "emission_not_written", part.vertices.size(),
+      add_finding(written_.findings, "emission_not_written", n_vertices,
                   fmt::format("vertices of material \"{}\" emit light that cannot be put into vertex colours "
                               "beside a texture; left out",
                               material.name));
-    std::vector<LinearRgb> colors = gather(colors_, part.vertices);
-    for (LinearRgb& color : colors) {
-      color = color * material.base_color;
-      if (folds_emission) color += material.emission;
+    std::span<const LinearRgb> colors = kept_.of_part(colors_, part);
+    if (material.base_color != LinearRgb{1, 1, 1} || has_emission(material)) {
+      std::vector<LinearRgb> folded(colors.begin(), colors.end());
+      for (LinearRgb& color : folded) {
+        color = color * material.base_color;
+        if (folds_emission) color += material.emission;
+      }
+      colors = kept_.keep(std::move(folded));
     }
-    std::vector<float> opacities = gather(mesh_.opacities, part.vertices);
+    std::span<const float> opacities = kept_.of_part(mesh_.opacities, part);
     if (material.opacity != 1) {
-      opacities.resize(colors.size(), 1.0f);
-      for (float& opacity : opacities) opacity *= material.opacity;
+      std::vector<float> scaled(opacities.begin(), opacities.end());
+      scaled.resize(n_vertices, 1.0f);
+      for (float& opacity : scaled) opacity *= material.opacity;
+      opacities = kept_.keep(std::move(scaled));
     }
-    const EncodedColors encoded = encode_colors(
-        colors, opacities, {.storage = options_.color, .is_clamped = options_.attribute.front() != '_'});
+    const EncodedColors& encoded = kept_.keep(encode_colors(
+        colors, opacities, {.storage = options_.color, .is_clamped = options_.attribute.front() != '_'}));
     written_.clipped_vertices += encoded.clipped;
     negative_ += encoded.negative;
-    return append_accessor(document, encoded.elements());
+    GltfElements elements = encoded.elements();
+    elements.is_lent = true;
+    return append_accessor(document, elements);
   }
 
   /// Base colour and emission are in the vertex colours: only the texture is left to the material.
@@ -196,9 +232,9 @@ class NewAsset {
     if (texture_of_[index]) return *texture_of_[index];
     const Texture& texture = scene_.textures[index];
     if (!image_of_[texture.image]) {
-      const std::string png = encode_png(picture_of(scene_.images[texture.image]));
+      const std::string& png = kept_.keep(encode_png(picture_of(scene_.images[texture.image])));
       const std::size_t view =
-          append_view(document, {reinterpret_cast<const unsigned char*>(png.data()), png.size()}, 0, 0);
+          append_view(document, {reinterpret_cast<const unsigned char*>(png.data()), png.size()}, 0, 0, true);
       image_of_[texture.image] =
           append_to(document.json, "images", {{"bufferView", view}, {"mimeType", "image/png"}});
     }
@@ -227,6 +263,8 @@ class NewAsset {
   const Mesh& mesh_;
   const std::vector<LinearRgb>& colors_;
   const GltfWriteOptions& options_;
+  std::vector<Part> parts_;
+  KeptArrays kept_;
   WrittenColors written_;
   std::size_t negative_ = 0, normals_replaced_ = 0;
   std::vector<std::optional<std::size_t>> texture_of_, image_of_;
@@ -237,7 +275,8 @@ class NewAsset {
 WrittenColors write_new_gltf(const std::string& path, const Scene& scene, const BakedColors& baked,
                              const GltfWriteOptions& options) {
   GltfDocument document;
-  WrittenColors written = NewAsset(scene, baked, options).build(document);
+  NewAsset asset(scene, baked, options);
+  WrittenColors written = asset.build(document);
   write_document(path, document);
   return written;
 }

@@ -10,10 +10,12 @@
 #include <OpenMesh/Core/Mesh/BaseKernel.hh>
 #include <OpenMesh/Core/System/omstream.hh>
 #include <algorithm>
+#include <cstring>
 #include <exception>
 #include <istream>
 #include <mutex>
 #include <streambuf>
+#include <string_view>
 
 #include "lambake/core/error.h"
 #include "lambake/geometry/triangulate.h"
@@ -126,13 +128,23 @@ class ArrayImporter : public IO::BaseImporter {
 /// A stream over bytes in memory.
 class MemoryBuffer : public std::streambuf {
  public:
-  explicit MemoryBuffer(const std::string& bytes) {
+  explicit MemoryBuffer(std::string_view bytes) {
     char* const begin =
         const_cast<char*>(bytes.data());  // NOLINT: streambuf has no const form; never written
     setg(begin, begin, begin + bytes.size());
   }
 
  protected:
+  /// The readers ask for a few bytes at a time, four most often.
+  std::streamsize xsgetn(char* to, std::streamsize n) override {
+    n = std::min<std::streamsize>(n, egptr() - gptr());
+    if (n == 4)
+      std::memcpy(to, gptr(), 4);
+    else
+      std::memcpy(to, gptr(), static_cast<std::size_t>(n));
+    setg(eback(), gptr() + n, egptr());
+    return n;
+  }
   pos_type seekoff(off_type offset, std::ios_base::seekdir from, std::ios_base::openmode) override {
     const off_type base = from == std::ios_base::beg   ? 0
                           : from == std::ios_base::cur ? gptr() - eback()
@@ -179,7 +191,7 @@ OpenMeshArrays read_with_openmesh(const std::string& path, const CanonicalFile& 
   const Silence silence;
   OpenMeshArrays arrays;
   ArrayImporter importer(file, arrays);
-  MemoryBuffer buffer(file.bytes);
+  MemoryBuffer buffer(std::string_view(file.bytes).substr(file.begin));
   std::istream stream(&buffer);
   IO::Options options;
   if (file.is_binary) options += IO::Options::Binary;

@@ -11,7 +11,7 @@
 namespace lambake {
 
 OutputFile::OutputFile(const std::string& path) : path_(path) {
-  // The extension stays last: libraries that write by name choose the format from it.
+  // In the same folder, so that moving it there is one step.
   const std::filesystem::path target(path);
   const std::filesystem::path beside =
       target.parent_path() / (".lambake-" + std::to_string(::getpid()) + "-" + target.filename().string());

@@ -17,7 +17,7 @@ class OutputFile {
 
   void write(const void* bytes, std::size_t n_bytes);
   void write(const std::string& text) { write(text.data(), text.size()); }
-  /// Where the bytes are before the commit, for libraries that write by name.
+  /// Where the bytes are before the commit.
   const std::string& temporary_path() const { return temporary_path_; }
   void commit();
 

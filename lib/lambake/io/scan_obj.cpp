@@ -9,6 +9,7 @@
 #include "lambake/core/bounds.h"
 #include "lambake/geometry/split_corners.h"
 #include "lambake/io/canonical_file.h"
+#include "lambake/io/canonical_text.h"
 #include "lambake/io/corner_attributes.h"
 #include "lambake/io/file_color.h"
 #include "lambake/io/obj_materials.h"
@@ -29,11 +30,10 @@ void join_continued_lines(std::string& text) {
 
 class ObjScan {
  public:
-  ObjScan(const std::string& path, std::string_view text, CanonicalFile& file)
-      : path_(path), text_(text), file_(file), materials_(path, file), kept_(file) {}
+  ObjScan(const std::string& path, std::string& text, CanonicalFile& file)
+      : path_(path), text_(text), out_(text), file_(file), materials_(path, file), kept_(file) {}
 
   void run() {
-    file_.bytes.reserve(text_.size() + text_.size() / 8);
     scan_attributes();
     if (n_vertices_ > std::numeric_limits<std::int32_t>::max())
       throw IoError(path_, fmt::format("expected fewer than 2^31 vertices, found {}", n_vertices_));
@@ -42,11 +42,16 @@ class ObjScan {
   }
 
  private:
+  struct Corner {
+    std::uint32_t vertex, texcoord, normal;
+  };
+
   /// First pass: v, vt, vn, vc.
   void scan_attributes() {
     TextCursor cursor(path_, text_, '#');
     for (; cursor.skip_to_token(); cursor.next_line()) {
       const std::string_view keyword = cursor.token();
+      line_begin_ = static_cast<std::size_t>(keyword.data() - text_.data());
       if (keyword == "v") {
         scan_vertex(cursor);
       } else if (keyword == "vt") {
@@ -64,13 +69,14 @@ class ObjScan {
     const char* const begin = cursor.position();
     glm::vec3 p;
     for (int c = 0; c < 3; ++c) p[c] = cursor.number("three numbers after \"v\"");
-    vertex_lines_.push_back(file_.bytes.size());
+    line_ = "v ";
     if (is_finite(p)) {
-      file_.bytes.append("v ").append(begin, cursor.position()).push_back('\n');
+      line_.append(begin, cursor.position());
     } else {
-      file_.bytes += "v 0 0 0\n";
+      line_ += "0 0 0";
       file_.non_finite_positions.emplace_back(static_cast<std::uint32_t>(n_vertices_), p);
     }
+    vertex_lines_.push_back(finish_line());
     ++n_vertices_;
     if (cursor.at_line_end()) {
       if (has_colors_) file_.colors.push_back({1, 1, 1}), ++n_uncolored_;
@@ -121,24 +127,30 @@ class ObjScan {
 
   /// A line of numbers, each the shortest text that gives the same float again.
   void append_values(const char* keyword, std::initializer_list<float> values) {
-    file_.bytes += keyword;
+    line_ = keyword;
     for (const float value : values) {
       char digits[32];
       digits[0] = ' ';
-      file_.bytes.append(digits, std::to_chars(digits + 1, digits + sizeof digits, value).ptr);
+      line_.append(digits, std::to_chars(digits + 1, digits + sizeof digits, value).ptr);
     }
-    file_.bytes.push_back('\n');
+    finish_line();
+  }
+
+  /// Appends `line_` to the canonical text; returns where it begins there.
+  std::size_t finish_line() {
+    line_.push_back('\n');
+    return out_.append(line_, line_begin_);
   }
 
   /// Second pass: f, usemtl, mtllib; the attributes before each line are counted for relative indices.
   void scan_faces() {
-    splitter_.emplace(n_vertices_);
     last_face_.assign(n_vertices_, 0);
     std::size_t n_unknown = 0;
     std::uint32_t material = 0;
     TextCursor cursor(path_, text_, '#');
     for (; cursor.skip_to_token(); cursor.next_line()) {
       const std::string_view keyword = cursor.token();
+      line_begin_ = static_cast<std::size_t>(keyword.data() - text_.data());
       if (keyword == "v") {
         ++n_seen_[0];
       } else if (keyword == "vt") {
@@ -196,26 +208,42 @@ class ObjScan {
     }
     set_material(face_number - 1, material);
     if (!kept_.keep(corners_.size())) return;
-    file_.bytes.push_back('f');
+    line_.assign(1, 'f');
     for (const Corner& corner : corners_) {
-      const std::uint32_t id =
-          splitter_->vertex_for(corner.vertex, {corner.texcoord, corner.normal, material});
+      const std::uint32_t id = id_of(corner, material);
       append_corner(unrepeated(id, corner.vertex, face_number), corner);
       n_without_normal_ += corner.normal == none;
       n_without_texcoord_ += corner.texcoord == none;
       ++n_corners_;
     }
-    file_.bytes.push_back('\n');
+    finish_line();
+  }
+
+  /// The vertex or copy of a corner. As long as no corner has more than a vertex, nothing is to be told
+  /// apart.
+  std::uint32_t id_of(const Corner& corner, std::uint32_t material) {
+    constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+    if (!splitter_ && corner.texcoord == none && corner.normal == none && material == 0) return corner.vertex;
+    return splitter().vertex_for(corner.vertex, {corner.texcoord, corner.normal, material});
+  }
+  CornerSplitter& splitter() {
+    constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+    if (!splitter_) {
+      splitter_.emplace(n_vertices_);
+      for (std::uint32_t v = 0; v < n_vertices_; ++v)
+        if (last_face_[v] != 0) splitter_->vertex_for(v, {none, none, 0});
+    }
+    return *splitter_;
   }
 
   /// OpenMesh's reader drops a corner whose vertex the face has already: a copy stands in for it.
   std::uint32_t unrepeated(std::uint32_t id, std::uint32_t vertex, std::uint32_t face_number) {
-    last_face_.resize(n_vertices_ + splitter_->copies().size(), 0);
+    if (splitter_) last_face_.resize(n_vertices_ + splitter_->copies().size(), 0);
     if (last_face_[id] != face_number) {
       last_face_[id] = face_number;
       return id;
     }
-    const std::uint32_t stand_in = splitter_->add_copy(vertex);
+    const std::uint32_t stand_in = splitter().add_copy(vertex);
     file_.stand_ins.emplace_back(stand_in, id);
     return stand_in;
   }
@@ -231,32 +259,30 @@ class ObjScan {
 
   void append_integer(std::uint32_t value) {
     char digits[16];
-    file_.bytes.append(digits, std::to_chars(digits, digits + sizeof digits, value).ptr);
+    line_.append(digits, std::to_chars(digits, digits + sizeof digits, value).ptr);
   }
 
-  struct Corner {
-    std::uint32_t vertex, texcoord, normal;
-  };
   void append_corner(std::uint32_t id, const Corner& corner) {
     constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
-    file_.bytes.push_back(' ');
+    line_.push_back(' ');
     append_integer(id + 1);
     if (corner.texcoord == none && corner.normal == none) return;
-    file_.bytes.push_back('/');
+    line_.push_back('/');
     if (corner.texcoord != none) append_integer(corner.texcoord + 1);
     if (corner.normal == none) return;
-    file_.bytes.push_back('/');
+    line_.push_back('/');
     append_integer(corner.normal + 1);
   }
 
   void finish() {
     file_.n_vertices = n_vertices_;
     kept_.finish(path_);
-    file_.copied_vertices = splitter_->copies();
+    if (splitter_) file_.copied_vertices = splitter_->copies();
     for (const std::uint32_t v : file_.copied_vertices) {
-      const std::size_t begin = vertex_lines_[v];
-      file_.bytes.append(file_.bytes, begin, file_.bytes.find('\n', begin) + 1 - begin);
+      line_ = out_.line_at(vertex_lines_[v]);
+      out_.append(line_, CanonicalText::nowhere);
     }
+    file_.bytes = out_.take();
     file_.has_normals = n_without_normal_ == 0;
     file_.has_texcoords = n_without_texcoord_ < n_corners_;
     if (!file_.has_normals && n_without_normal_ < n_corners_)
@@ -280,6 +306,9 @@ class ObjScan {
 
   const std::string& path_;
   std::string_view text_;
+  CanonicalText out_;
+  std::string line_;            // Of the canonical text, in the making.
+  std::size_t line_begin_ = 0;  // Of the line of the file.
   CanonicalFile& file_;
   ObjMaterials materials_;
   std::optional<CornerSplitter> splitter_;
@@ -300,6 +329,7 @@ class ObjScan {
 
 CanonicalFile scan_obj(const std::string& path, std::string&& text) {
   join_continued_lines(text);
+  if (!text.ends_with('\n')) text.push_back('\n');
   CanonicalFile file;
   file.format = "OBJ";
   file.extension = "obj";

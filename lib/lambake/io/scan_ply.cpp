@@ -11,6 +11,7 @@
 #include "lambake/io/corner_attributes.h"
 #include "lambake/io/file_color.h"
 #include "lambake/io/file_texture.h"
+#include "lambake/io/plain_ply.h"
 #include "lambake/io/ply_header.h"
 #include "lambake/io/text_cursor.h"
 
@@ -441,6 +442,7 @@ CanonicalFile scan_ply(const std::string& path, std::string&& text) {
       break;
     case PlyEncoding::little_endian:
       file.format = "PLY binary LE";
+      if (take_plain_ply(header, text, file)) break;
       PlyScan(path, header, BinaryBody<false>(path, body, header.size), text, file).run();
       break;
     case PlyEncoding::big_endian:
