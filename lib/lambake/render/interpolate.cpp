@@ -108,22 +108,22 @@ void load_group(const Mesh& mesh, const std::uint32_t* triangles, const glm::vec
   }
 }
 
-void load_groups(const Mesh& mesh, const Visibility& visibility, PlaceBlock& block) {
-  const std::size_t n_pixels = visibility.triangles.size();
+void load_groups(const Mesh& mesh, std::span<const std::uint32_t> triangles,
+                 std::span<const glm::vec2> barycentrics, PlaceBlock& block) {
   block.mesh_triangles = mesh.triangles.data();
   for (std::size_t g = 0; g < block.n_groups; ++g) {
     const std::size_t pixel = block.first_pixels[g];
-    const std::uint32_t* const triangles = visibility.triangles.data() + pixel;
-    const glm::vec2* const barycentrics = visibility.barycentrics.data() + pixel;
-    if (pixel + PlaceBlock::group <= n_pixels) {
-      load_group(mesh, triangles, barycentrics, g, block);
+    if (pixel + PlaceBlock::group <= triangles.size()) {
+      load_group(mesh, &triangles[pixel], &barycentrics[pixel], g, block);
       continue;
     }
     std::array<std::uint32_t, PlaceBlock::group> last_triangles;
     std::array<glm::vec2, PlaceBlock::group> last_barycentrics{};
     last_triangles.fill(no_triangle);
-    std::copy_n(triangles, n_pixels - pixel, last_triangles.begin());
-    std::copy_n(barycentrics, n_pixels - pixel, last_barycentrics.begin());
+    std::copy(triangles.begin() + static_cast<std::ptrdiff_t>(pixel), triangles.end(),
+              last_triangles.begin());
+    std::copy(barycentrics.begin() + static_cast<std::ptrdiff_t>(pixel), barycentrics.end(),
+              last_barycentrics.begin());
     load_group(mesh, last_triangles.data(), last_barycentrics.data(), g, block);
   }
 }
@@ -171,8 +171,9 @@ HWY_EXPORT(interpolate_block);
 HWY_EXPORT(normals_of_block);
 }  // namespace
 
-void load_places(const Mesh& mesh, const Visibility& visibility, PlaceBlock& block) {
-  HWY_DYNAMIC_DISPATCH(load_groups)(mesh, visibility, block);
+void load_places(const Mesh& mesh, std::span<const std::uint32_t> triangles,
+                 std::span<const glm::vec2> barycentrics, PlaceBlock& block) {
+  HWY_DYNAMIC_DISPATCH(load_groups)(mesh, triangles, barycentrics, block);
 }
 
 void interpolate(std::span<const glm::vec3> values, const PlaceBlock& block, std::span<glm::vec3> out) {

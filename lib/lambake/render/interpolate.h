@@ -36,7 +36,9 @@ struct PlaceBlock {
 };
 
 /// Fills the block for the groups that begin at its `first_pixels`. The mesh has at least one triangle.
-void load_places(const Mesh& mesh, const Visibility& visibility, PlaceBlock& block);
+/// @param triangles, barycentrics  of all pixels, as in Visibility.
+void load_places(const Mesh& mesh, std::span<const std::uint32_t> triangles,
+                 std::span<const glm::vec2> barycentrics, PlaceBlock& block);
 
 /// @param values  V. @param out  n_places() or more.
 void interpolate(std::span<const glm::vec3> values, const PlaceBlock& block, std::span<glm::vec3> out);
