@@ -139,6 +139,12 @@ void add_lights_to(LightField& field, const LightArrays& lights, std::size_t beg
     for (int k = 1; k < n_coefficients; ++k) field.coefficients[c][k] += sum_of_lanes(sums[c][k]);
 }
 
+void regular_harmonics_at(float x, float y, float z, float out[n_coefficients]) {
+  V s[n_coefficients];
+  regular_harmonics(set(x), set(y), set(z), s);
+  for (int k = 0; k < order * order; ++k) out[k] = hn::GetLane(s[k]);
+}
+
 void add_irradiance_at(const LightField& field, PointArrays& points, std::size_t begin, std::size_t end) {
   const Floats d;
   const float inverse_radius = 1.0f / field.radius;
@@ -201,6 +207,41 @@ namespace lambake {
 namespace {
 HWY_EXPORT(add_lights_to);
 HWY_EXPORT(add_irradiance_at);
+HWY_EXPORT(regular_harmonics_at);
+
+constexpr int order = LightField::order;
+constexpr int n_coefficients = LightField::n_coefficients;
+
+constexpr int at(int l, int m) {
+  return LightField::harmonic_index(l, m);
+}
+
+/// A complex coefficient of each channel; the fourth makes it a vector for the compiler.
+struct ComplexChannels {
+  float re[4], im[4];
+
+  void add_product_with_conjugate(const ComplexChannels& a, const ComplexChannels& b) {
+    for (int c = 0; c < 4; ++c) re[c] += a.re[c] * b.re[c] + a.im[c] * b.im[c];
+    for (int c = 0; c < 4; ++c) im[c] += a.im[c] * b.re[c] - a.re[c] * b.im[c];
+  }
+};
+
+/// Coefficients up to `highest` for all m in [−l, l], at l·l + l + m, of those for m >= 0, which
+/// `coefficient(harmonic index, channel)` gives: those of −m are (−1)^m times the conjugates.
+template <typename Coefficient>
+void spread_orders(int highest, const Coefficient& coefficient, ComplexChannels* all) {
+  for (int l = 0; l <= highest; ++l)
+    for (int m = 0; m <= l; ++m) {
+      const float sign = m % 2 == 0 ? 1.0f : -1.0f;
+      ComplexChannels &at_m = all[l * l + l + m], &at_minus_m = all[l * l + l - m];
+      for (int c = 0; c < 4; ++c) {
+        const float re = coefficient(at(l, m), c), im = m == 0 ? 0.0f : coefficient(at(l, m) + 1, c);
+        at_m.re[c] = re, at_m.im[c] = im;
+        at_minus_m.re[c] = sign * re, at_minus_m.im[c] = -sign * im;
+      }
+    }
+}
+
 }  // namespace
 
 void LightArrays::reserve(std::size_t n) {
@@ -221,6 +262,38 @@ void add_lights(LightField& field, const LightArrays& lights) {
   constexpr std::size_t batch = 1024;
   for (std::size_t begin = 0; begin < lights.size; begin += batch)
     HWY_DYNAMIC_DISPATCH(add_lights_to)(field, lights, begin, std::min(lights.size, begin + batch));
+}
+
+/// With the solid harmonics of above, R_l^m(d + t) = Σ_{j,k} R_j^k(t) R_{l−j}^{m−k}(d), hence the coefficient
+/// (j, k) of what is a sum over conj(L) R becomes Σ_{l,m} L_l^m conj(R_{l−j}^{m−k}(d)).
+void translate(const LightField& from, LightField& to) {
+  const float scale = 1.0f / from.radius, ratio = to.radius * scale;
+  float harmonics[n_coefficients];
+  HWY_DYNAMIC_DISPATCH(regular_harmonics_at)
+  ((to.center.x - from.center.x) * scale, (to.center.y - from.center.y) * scale,
+   (to.center.z - from.center.z) * scale, harmonics);
+  ComplexChannels shift[order * order], source[n_coefficients];
+  spread_orders(
+      order - 1, [&](int k, int) { return harmonics[k]; }, shift);
+  spread_orders(
+      order, [&](int k, int c) { return c < 3 ? static_cast<float>(from.coefficients[c][k]) : 0.0f; },
+      source);
+  double unit = double(ratio);  // of R_j^k and of the gradient
+  for (int j = 1; j <= order; ++j) {
+    unit *= double(ratio);
+    for (int k = 0; k <= j; ++k) {
+      ComplexChannels sum{};
+      for (int l = j; l <= order; ++l) {
+        const int n = l - j;
+        for (int m = std::max(-l, k - n); m <= std::min(l, k + n); ++m)
+          sum.add_product_with_conjugate(source[l * l + l + m], shift[n * n + n + m - k]);
+      }
+      for (int c = 0; c < 3; ++c) {
+        to.coefficients[c][at(j, k)] = unit * double(sum.re[c]);
+        if (k > 0) to.coefficients[c][at(j, k) + 1] = unit * double(sum.im[c]);
+      }
+    }
+  }
 }
 
 void add_irradiance(const LightField& field, PointArrays& points, std::size_t begin, std::size_t end) {

@@ -61,6 +61,11 @@ struct LightField {
 /// black. The sum has the same bits on every vector path.
 void add_lights(LightField& field, const LightArrays& lights);
 
+/// Replaces the coefficients of `to` by the field `from` as seen from the centre of `to`, a ball within that
+/// of `from`: the expansion is a polynomial, so this is exact but for the rounding. The same bits on every
+/// vector path.
+void translate(const LightField& from, LightField& to);
+
 /// Adds the field's light at points [begin, end); begin is a multiple of 16, end as well or the number of
 /// points.
 void add_irradiance(const LightField& field, PointArrays& points, std::size_t begin, std::size_t end);

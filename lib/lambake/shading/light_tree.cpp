@@ -151,15 +151,22 @@ struct Tile {
     std::array<float, 3> lower{};
   };
 
-  void visit(const LightArrays& lights, std::size_t begin, std::size_t end, std::size_t level, Past past);
+  void visit(const LightArrays& lights, std::size_t begin, std::size_t end, std::size_t level, Past past,
+             const LightField* outer);
   void sum_rest(const LightArrays& lights, std::size_t begin, std::size_t end);
 };
 
-void Tile::visit(const LightArrays& lights, std::size_t begin, std::size_t end, std::size_t level,
-                 Past past) {
+void Tile::visit(const LightArrays& lights, std::size_t begin, std::size_t end, std::size_t level, Past past,
+                 const LightField* outer) {
   LightArrays& rest = work.rest[level];
   rest.reserve(lights.size);
+  const bool is_leaf = end - begin <= leaf_size;
   const PointBounds bounds = bound_points(work.points, begin, end);
+  LightField field;
+  field.center = bounds.center;
+  field.radius = bounds.radius;
+  if (outer != nullptr) translate(*outer, field);
+  bool has_field = outer != nullptr;
   const LightArrays* left = &lights;
   if (bounds.is_cone()) {
     work.weights.reserve(lights.size);
@@ -168,33 +175,32 @@ void Tile::visit(const LightArrays& lights, std::size_t begin, std::size_t end, 
     for (std::size_t c = 0; c < 3; ++c)
       allowed[c] = allowed_error(tolerance_display, past.lower[c] + lower[c]);
     work.merged.reserve(lights.size);
-    const bool is_leaf = end - begin <= leaf_size;
-    const CutLine line =
-        line_by_own_light(lights, work.weights, allowed, std::max(0.0f, own_light_budget - past.share));
-    Cut cut = cut_lights(lights, work.weights, allowed, line, work.merged, rest);
+    Cut cut;
+    if (!is_leaf)
+      cut = cut_lights(
+          lights, work.weights, allowed,
+          line_by_own_light(lights, work.weights, allowed, std::max(0.0f, own_light_budget - past.share)),
+          work.merged, rest);
     // Near lights are nearer to some ranges than to others: what stood on the line above may be over it here.
     if (is_leaf || past.share + cut.share > 1.0f)
       cut = cut_lights(lights, work.weights, allowed,
                        line_by_error(lights, work.weights, allowed, 1.0f - past.share), work.merged, rest);
     past.share += cut.share;
-    for (std::size_t c = 0; c < 3; ++c) past.error[c] += cut.error[c];
+    for (std::size_t c = 0; c < 3; ++c) past.error[c] += cut.error[c], past.lower[c] += cut.lower[c];
     if (work.merged.size > 0) {
-      LightField field;
-      field.center = bounds.center;
-      field.radius = bounds.radius;
       add_lights(field, work.merged);
-      add_irradiance(field, work.points, begin, end);
-      const std::array<float, 3> merged_lower = weigh_lights(work.merged, bounds, work.weights);
-      for (std::size_t c = 0; c < 3; ++c) past.lower[c] += merged_lower[c];
+      has_field = true;
     }
     left = &rest;
   }
-  if (end - begin > leaf_size) {
+  if (!is_leaf) {
     const std::size_t step = std::max(leaf_size, (end - begin) / n_children / 16 * 16);
     for (std::size_t child = begin; child < end; child += step)
-      visit(*left, child, std::min(end, child + step), level + (left == &rest), past);
+      visit(*left, child, std::min(end, child + step), level + (left == &rest), past,
+            has_field ? &field : nullptr);
     return;
   }
+  if (has_field) add_irradiance(field, work.points, begin, end);
   error.display = std::max(error.display, past.share * tolerance_display);
   for (const double e : past.error) error.linear = std::max(error.linear, e);
   sum_rest(*left, begin, end);
@@ -265,7 +271,7 @@ LightError irradiance_within(std::span<const Light> lights, double tolerance_dis
         work.positions[i] = positions[v], work.normals[i] = normals[v], work.normal_lengths[i] = length;
     }
     Tile t{packed, tolerance_display, work, {}};
-    t.visit(sources, 0, n, 0, {});
+    t.visit(sources, 0, n, 0, {}, nullptr);
     errors[tile] = t.error;
     for (std::size_t i = 0; i < n; ++i) {
       const float length = work.normal_lengths[i];
