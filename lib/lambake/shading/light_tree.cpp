@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <utility>
@@ -17,8 +18,11 @@ namespace lambake {
 namespace {
 
 constexpr std::size_t plain_block = 1024;
-/// Points dealt with together at first, and at last; each level has a quarter of the points of the one above.
+/// At most so many points are dealt with together at first, and at last; each level has a quarter of the
+/// points of the one above.
 constexpr std::size_t tile_size = 8192, leaf_size = 128, n_children = 4;
+constexpr std::size_t n_levels = 4;
+static_assert(tile_size == leaf_size * n_children * n_children * n_children);
 /// Below so many lights of falloff 1/d² the plain sum is faster (docs/performance.md).
 constexpr std::size_t fewest_lights = 512;
 constexpr std::size_t fewest_points = 1024;
@@ -125,17 +129,76 @@ float allowed_error(double tolerance_display, float lower) {
   return static_cast<float>(std::max(least, std::min(tolerance_display / slope, 0.1 * lower)));
 }
 
+/// Sorted points [begin, end).
+struct Range {
+  std::size_t begin, end;
+  std::size_t size() const { return end - begin; }
+};
+
+/// Cuts a range into such of at most `most` points, between the cells of its keys rather than anywhere: a
+/// range over the border of two large cells would be wide. What is small joins its neighbour.
+void split(std::span<const Keyed> order, Range range, std::size_t most, std::vector<Range>& out) {
+  if (range.size() <= most) {
+    if (!out.empty() && out.back().end == range.begin && range.end - out.back().begin <= most)
+      out.back().end = range.end;
+    else
+      out.push_back(range);
+    return;
+  }
+  const std::uint32_t first = order[range.begin].key, last = order[range.end - 1].key;
+  std::size_t middle = range.begin + range.size() / 2;
+  if (first != last) {
+    const std::uint32_t cell = last & ~(std::bit_floor(first ^ last) - 1);  // the upper one's first key
+    middle = static_cast<std::size_t>(
+        std::partition_point(order.begin() + static_cast<std::ptrdiff_t>(range.begin),
+                             order.begin() + static_cast<std::ptrdiff_t>(range.end),
+                             [cell](const Keyed& point) { return point.key < cell; }) -
+        order.begin());
+  }
+  split(order, {range.begin, middle}, most, out);
+  split(order, {middle, range.end}, most, out);
+}
+
+/// A range of a tile's slots, in depth-first order: a node's first child follows it.
+struct Node {
+  std::size_t begin, end;  ///< Slots; `begin` is a multiple of 16.
+  std::size_t next;        ///< The node after all below this one.
+};
+
 /// What one thread needs for a tile.
 struct Workspace {
-  PointArrays points;
+  std::vector<Node> nodes;
+  std::vector<std::uint32_t> slots;  ///< The points; each leaf is filled up to 16 with its last one.
+  std::array<std::vector<Range>, n_levels> ranges;  ///< By level.
+  PointArrays points;                               ///< By slot, as is what follows.
   std::vector<float> normal_lengths;
   std::vector<glm::vec3> positions, normals;  ///< As given, for the plain sums.
   std::vector<LinearRgb> sums;
   LightWeights weights;
   LightArrays merged;
-  std::array<LightArrays, 4> rest;  ///< By level.
+  std::array<LightArrays, n_levels> rest;  ///< By level.
   PackedLights near;
 };
+
+/// Adds the nodes of a range of at most `most` points.
+void add_nodes(std::span<const Keyed> order, Range range, std::size_t most, std::size_t level,
+               Workspace& work) {
+  while (most > leaf_size && range.size() <= most / n_children) most /= n_children;
+  const std::size_t node = work.nodes.size();
+  work.nodes.push_back({work.slots.size(), 0, 0});
+  if (range.size() <= leaf_size) {
+    for (std::size_t i = range.begin; i < range.end; ++i) work.slots.push_back(order[i].point);
+    work.nodes[node].end = work.slots.size();
+    work.slots.resize((work.slots.size() + 15) / 16 * 16, work.slots.back());
+  } else {
+    std::vector<Range>& parts = work.ranges[level];
+    parts.clear();
+    split(order, range, most / n_children, parts);
+    for (const Range& part : parts) add_nodes(order, part, most / n_children, level + 1, work);
+    work.nodes[node].end = work.slots.size();
+  }
+  work.nodes[node].next = work.nodes.size();
+}
 
 struct Tile {
   const PackedLights& sources;  ///< The lights of falloff 1/d², in world space.
@@ -151,16 +214,17 @@ struct Tile {
     std::array<float, 3> lower{};
   };
 
-  void visit(const LightArrays& lights, std::size_t begin, std::size_t end, std::size_t level, Past past,
+  void visit(const LightArrays& lights, std::size_t node, std::size_t level, Past past,
              const LightField* outer);
   void sum_rest(const LightArrays& lights, std::size_t begin, std::size_t end);
 };
 
-void Tile::visit(const LightArrays& lights, std::size_t begin, std::size_t end, std::size_t level, Past past,
+void Tile::visit(const LightArrays& lights, std::size_t node, std::size_t level, Past past,
                  const LightField* outer) {
+  const auto [begin, end, next] = work.nodes[node];
   LightArrays& rest = work.rest[level];
   rest.reserve(lights.size);
-  const bool is_leaf = end - begin <= leaf_size;
+  const bool is_leaf = next == node + 1;
   const PointBounds bounds = bound_points(work.points, begin, end);
   LightField field;
   field.center = bounds.center;
@@ -194,10 +258,8 @@ void Tile::visit(const LightArrays& lights, std::size_t begin, std::size_t end, 
     left = &rest;
   }
   if (!is_leaf) {
-    const std::size_t step = std::max(leaf_size, (end - begin) / n_children / 16 * 16);
-    for (std::size_t child = begin; child < end; child += step)
-      visit(*left, child, std::min(end, child + step), level + (left == &rest), past,
-            has_field ? &field : nullptr);
+    for (std::size_t child = node + 1; child < next; child = work.nodes[child].next)
+      visit(*left, child, level + 1, past, has_field ? &field : nullptr);
     return;
   }
   if (has_field) add_irradiance(field, work.points, begin, end);
@@ -215,6 +277,27 @@ void Tile::sum_rest(const LightArrays& lights, std::size_t begin, std::size_t en
   const std::size_t n = end - begin;
   irradiance(near, std::span(work.positions).subspan(begin, n), std::span(work.normals).subspan(begin, n),
              std::span(work.sums).subspan(begin, n));
+}
+
+/// The points of the tile's slots, in the space of the tree, without light yet.
+void load_points(const Frame& frame, std::span<const glm::vec3> positions, std::span<const glm::vec3> normals,
+                 Workspace& work) {
+  const std::size_t n = work.slots.size();
+  work.normal_lengths.resize(n);
+  work.positions.resize(n), work.normals.resize(n), work.sums.resize(n);
+  PointArrays& points = work.points;
+  points.resize(n);
+  for (std::size_t i = 0; i < n; ++i)
+    work.positions[i] = positions[work.slots[i]], work.normals[i] = normals[work.slots[i]];
+  for (std::size_t i = 0; i < n; ++i) {
+    const glm::vec3 p = frame(work.positions[i]);
+    const float length = glm::length(work.normals[i]);
+    const glm::vec3 normal = work.normals[i] * (1.0f / length);
+    work.normal_lengths[i] = length;
+    points.x[i] = p.x, points.y[i] = p.y, points.z[i] = p.z;
+    points.nx[i] = normal.x, points.ny[i] = normal.y, points.nz[i] = normal.z;
+    points.r[i] = points.g[i] = points.b[i] = 0;
+  }
 }
 
 }  // namespace
@@ -250,35 +333,27 @@ LightError irradiance_within(std::span<const Light> lights, double tolerance_dis
   std::size_t n_lit = order.size();
   while (n_lit > 0 && order[n_lit - 1].key == key_of_unlit) --n_lit;
 
-  const std::size_t n_tiles = (n_lit + tile_size - 1) / tile_size;
-  std::vector<LightError> errors(n_tiles);
-  parallel_blocks(n_tiles, 1, [&](std::size_t tile, std::size_t) {
+  std::vector<Range> tiles;
+  if (n_lit > 0) split(order, {0, n_lit}, tile_size, tiles);
+  std::vector<LightError> errors(tiles.size());
+  parallel_blocks(tiles.size(), 1, [&](std::size_t tile, std::size_t) {
     static thread_local Workspace work;  // its memory is used again, its contents are not
-    const std::size_t first = tile * tile_size, n = std::min(tile_size, n_lit - first);
-    work.points.resize(n);
-    work.normal_lengths.resize(n);
-    work.positions.resize(n), work.normals.resize(n), work.sums.resize(n);
-    PointArrays& points = work.points;
-    for (std::size_t i = 0; i < n + LightArrays::lane_padding; ++i) {
-      const std::uint32_t v = order[first + std::min(i, n - 1)].point;
-      const glm::vec3 p = frame(positions[v]);
-      const float length = glm::length(normals[v]);
-      const glm::vec3 normal = normals[v] / length;
-      points.x[i] = p.x, points.y[i] = p.y, points.z[i] = p.z;
-      points.nx[i] = normal.x, points.ny[i] = normal.y, points.nz[i] = normal.z;
-      points.r[i] = points.g[i] = points.b[i] = 0;
-      if (i < n)
-        work.positions[i] = positions[v], work.normals[i] = normals[v], work.normal_lengths[i] = length;
-    }
+    work.nodes.clear(), work.slots.clear();
+    add_nodes(order, tiles[tile], tile_size, 0, work);
+    load_points(frame, positions, normals, work);
     Tile t{packed, tolerance_display, work, {}};
-    t.visit(sources, 0, n, 0, {}, nullptr);
+    t.visit(sources, 0, 0, {}, nullptr);
     errors[tile] = t.error;
-    for (std::size_t i = 0; i < n; ++i) {
-      const float length = work.normal_lengths[i];
-      // A field that is out by its error may be below what light can be.
-      const LinearRgb field{std::max(0.0f, points.r[i] * length), std::max(0.0f, points.g[i] * length),
-                            std::max(0.0f, points.b[i] * length)};
-      out[order[first + i].point] += field + work.sums[i];
+    const PointArrays& points = work.points;
+    for (std::size_t node = 0; node < work.nodes.size(); ++node) {
+      if (work.nodes[node].next != node + 1) continue;
+      for (std::size_t i = work.nodes[node].begin; i < work.nodes[node].end; ++i) {
+        const float length = work.normal_lengths[i];
+        // A field that is out by its error may be below what light can be.
+        const LinearRgb field{std::max(0.0f, points.r[i] * length), std::max(0.0f, points.g[i] * length),
+                              std::max(0.0f, points.b[i] * length)};
+        out[work.slots[i]] += field + work.sums[i];
+      }
     }
   });
   LightError worst;
