@@ -119,12 +119,13 @@ void weigh(const LightArrays& lights, const PointBounds& bounds, LightWeights& w
     const V by_nearest_3 = hn::Mul(hn::Mul(by_nearest, by_nearest), by_nearest);
     const V dropped = hn::Mul(hn::Max(zero, facing_high), by_nearest_3);
     // 1/d² · remainder(radius/d) = (order + 1.5) q^order / (d − radius)²; the second term is for points that
-    // the light is behind, the last one the rounding of the field's sums and of its evaluation.
+    // the light is behind, the last one the rounding of the field's sums, of handing it down and of its
+    // evaluation.
     const V ratio = hn::Div(radius, distance);
     V remainder = set(LightField::order + 1.5f);
     for (int l = 0; l < LightField::order; ++l) remainder = hn::Mul(remainder, ratio);
     const V by_nearest_2 = hn::Mul(by_nearest, by_nearest);
-    const V merged = hn::Add(hn::Mul(hn::Add(remainder, set(2e-5f)), by_nearest_2),
+    const V merged = hn::Add(hn::Mul(hn::Add(remainder, set(3e-5f)), by_nearest_2),
                              hn::Mul(hn::Max(zero, hn::Neg(facing_low)), by_nearest_3));
     const V is_far = hn::VecFromMask(d, hn::Gt(distance, hn::Mul(radius, set(2.0f))));
     const auto far = hn::MaskFromVec(is_far);

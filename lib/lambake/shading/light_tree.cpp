@@ -176,7 +176,9 @@ struct Workspace {
   std::vector<LinearRgb> sums;
   LightWeights weights;
   LightArrays merged;
-  std::array<LightArrays, n_levels> rest;  ///< By level.
+  std::array<LightArrays, n_levels> rest;                 ///< By level.
+  std::array<std::vector<PointBounds>, n_levels> bounds;  ///< Of the children of a node of that level.
+  std::array<std::vector<LightField>, n_levels> fields;   ///< The same.
   PackedLights near;
 };
 
@@ -215,22 +217,16 @@ struct Tile {
   };
 
   void visit(const LightArrays& lights, std::size_t node, std::size_t level, Past past,
-             const LightField* outer);
+             const PointBounds& bounds, LightField& field);
   void sum_rest(const LightArrays& lights, std::size_t begin, std::size_t end);
 };
 
 void Tile::visit(const LightArrays& lights, std::size_t node, std::size_t level, Past past,
-                 const LightField* outer) {
+                 const PointBounds& bounds, LightField& field) {
   const auto [begin, end, next] = work.nodes[node];
   LightArrays& rest = work.rest[level];
   rest.reserve(lights.size);
   const bool is_leaf = next == node + 1;
-  const PointBounds bounds = bound_points(work.points, begin, end);
-  LightField field;
-  field.center = bounds.center;
-  field.radius = bounds.radius;
-  if (outer != nullptr) translate(*outer, field);
-  bool has_field = outer != nullptr;
   const LightArrays* left = &lights;
   if (bounds.is_cone()) {
     work.weights.reserve(lights.size);
@@ -251,18 +247,24 @@ void Tile::visit(const LightArrays& lights, std::size_t node, std::size_t level,
                        line_by_error(lights, work.weights, allowed, 1.0f - past.share), work.merged, rest);
     past.share += cut.share;
     for (std::size_t c = 0; c < 3; ++c) past.error[c] += cut.error[c], past.lower[c] += cut.lower[c];
-    if (work.merged.size > 0) {
-      add_lights(field, work.merged);
-      has_field = true;
-    }
+    if (work.merged.size > 0) add_lights(field, work.merged);
     left = &rest;
   }
   if (!is_leaf) {
-    for (std::size_t child = node + 1; child < next; child = work.nodes[child].next)
-      visit(*left, child, level + 1, past, has_field ? &field : nullptr);
+    std::vector<PointBounds>& child_bounds = work.bounds[level];
+    std::vector<LightField>& child_fields = work.fields[level];
+    child_bounds.clear(), child_fields.clear();
+    for (std::size_t child = node + 1; child < next; child = work.nodes[child].next) {
+      child_bounds.push_back(bound_points(work.points, work.nodes[child].begin, work.nodes[child].end));
+      child_fields.push_back({.center = child_bounds.back().center, .radius = child_bounds.back().radius});
+    }
+    translate(field, child_fields);
+    std::size_t i = 0;
+    for (std::size_t child = node + 1; child < next; child = work.nodes[child].next, ++i)
+      visit(*left, child, level + 1, past, child_bounds[i], child_fields[i]);
     return;
   }
-  if (has_field) add_irradiance(field, work.points, begin, end);
+  add_irradiance(field, work.points, begin, end);
   error.display = std::max(error.display, past.share * tolerance_display);
   for (const double e : past.error) error.linear = std::max(error.linear, e);
   sum_rest(*left, begin, end);
@@ -342,7 +344,9 @@ LightError irradiance_within(std::span<const Light> lights, double tolerance_dis
     add_nodes(order, tiles[tile], tile_size, 0, work);
     load_points(frame, positions, normals, work);
     Tile t{packed, tolerance_display, work, {}};
-    t.visit(sources, 0, 0, {}, nullptr);
+    const PointBounds bounds = bound_points(work.points, 0, work.nodes[0].end);
+    LightField field{.center = bounds.center, .radius = bounds.radius};
+    t.visit(sources, 0, 0, {}, bounds, field);
     errors[tile] = t.error;
     const PointArrays& points = work.points;
     for (std::size_t node = 0; node < work.nodes.size(); ++node) {
@@ -350,9 +354,9 @@ LightError irradiance_within(std::span<const Light> lights, double tolerance_dis
       for (std::size_t i = work.nodes[node].begin; i < work.nodes[node].end; ++i) {
         const float length = work.normal_lengths[i];
         // A field that is out by its error may be below what light can be.
-        const LinearRgb field{std::max(0.0f, points.r[i] * length), std::max(0.0f, points.g[i] * length),
-                              std::max(0.0f, points.b[i] * length)};
-        out[work.slots[i]] += field + work.sums[i];
+        const LinearRgb merged{std::max(0.0f, points.r[i] * length), std::max(0.0f, points.g[i] * length),
+                               std::max(0.0f, points.b[i] * length)};
+        out[work.slots[i]] += merged + work.sums[i];
       }
     }
   });
