@@ -54,6 +54,16 @@ Points floor(std::size_t n) {
   return points;
 }
 
+/// Normals turn much among few neighbours.
+Points rippled_floor(std::size_t n) {
+  Points points = floor(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const glm::vec3& p = points.positions[i];
+    points.normals[i] = glm::normalize(glm::vec3(0.4f * std::sin(90 * p.x), 1, 0.4f * std::sin(80 * p.z)));
+  }
+  return points;
+}
+
 /// No two neighbours face the same way.
 Points hedgehog(std::size_t n) {
   Random random;
@@ -110,6 +120,11 @@ TEST(ManyLights, OnASphere_NoFurtherOffThanCertified) {
 TEST(ManyLights, OnAFloor_NoFurtherOffThanCertified) {
   for (const double tolerance : {1.0 * step, 0.25 * step, 0.02 * step})
     EXPECT_GT(expect_certified(lamps(2000), floor(6000), tolerance).display, 0);
+}
+
+TEST(ManyLights, OnARippledFloor_NoFurtherOffThanCertified) {
+  for (const double tolerance : {0.25 * step, 0.02 * step})
+    EXPECT_GT(expect_certified(lamps(1000), rippled_floor(12000), tolerance).display, 0);
 }
 
 TEST(ManyLights, WhereNoTwoNeighboursFaceAlike_NoFurtherOffThanCertified) {
@@ -206,11 +221,13 @@ TEST(ManyLights, ToleranceZeroOrFewLights_IsThePlainSumToTheLastBit) {
 }
 
 TEST(ManyLights, AnyNumberOfThreadsAndAnyVectorPath_GiveTheSameBits) {
-  const Points points = sphere(20000);
+  const Points smooth = sphere(20000), rippled = rippled_floor(20000);
   const std::vector<Light> lights = lamps(1500);
   const auto bake = [&] {
-    std::vector<LinearRgb> out(points.positions.size());
-    irradiance_within(lights, 0.25 * step, points.positions, points.normals, out);
+    std::vector<LinearRgb> out(40000);
+    const std::span all(out);
+    irradiance_within(lights, 0.25 * step, smooth.positions, smooth.normals, all.first(20000));
+    irradiance_within(lights, 0.25 * step, rippled.positions, rippled.normals, all.last(20000));
     return out;
   };
   const std::vector<LinearRgb> expected = bake();

@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -17,6 +18,7 @@
 namespace lambake {
 namespace {
 
+constexpr float infinity = std::numeric_limits<float>::infinity();
 constexpr std::size_t plain_block = 1024;
 /// At most so many points are dealt with together at first, and at last; each level has a quarter of the
 /// points of the one above.
@@ -66,6 +68,19 @@ std::uint32_t spread_bits(std::uint32_t v) {
   return (v | (v << 2)) & 0x00249249u;
 }
 
+/// Which of six ways a normal faces: its largest axis and that one's sign.
+struct Face {
+  int axis;
+  bool is_negative;
+  std::uint32_t index() const { return static_cast<std::uint32_t>(2 * axis + is_negative); }
+};
+
+Face face_of(const glm::vec3& normal) {
+  const glm::vec3 a = glm::abs(normal);
+  const int axis = a.x >= a.y && a.x >= a.z ? 0 : a.y >= a.z ? 1 : 2;
+  return {axis, normal[axis] < 0};
+}
+
 constexpr int key_bits = 27;
 constexpr std::uint32_t key_of_unlit = 6u << 24;  ///< Points that no positional light can reach sort last.
 
@@ -75,13 +90,20 @@ std::uint32_t key_of(const glm::vec3& position, const glm::vec3& normal, const B
                      const glm::vec3& cells) {
   const float length_squared = glm::dot(normal, normal);
   if (!is_finite(position) || !(std::abs(length_squared - 1.0f) < 1e-3f)) return key_of_unlit;
-  const glm::vec3 a = glm::abs(normal);
-  const int axis = a.x >= a.y && a.x >= a.z ? 0 : a.y >= a.z ? 1 : 2;
   const glm::vec3 cell = glm::clamp((position - box.min) * cells, 0.0f, 255.0f);
-  const std::uint32_t face = static_cast<std::uint32_t>(2 * axis + (normal[axis] < 0));
-  return face << 24 | spread_bits(static_cast<std::uint32_t>(cell.x)) << 2 |
+  return face_of(normal).index() << 24 | spread_bits(static_cast<std::uint32_t>(cell.x)) << 2 |
          spread_bits(static_cast<std::uint32_t>(cell.y)) << 1 |
          spread_bits(static_cast<std::uint32_t>(cell.z));
+}
+
+/// The same by the normal alone, as the Morton code of its other two axes.
+std::uint32_t key_of(const glm::vec3& normal) {
+  const Face face = face_of(normal);
+  const auto cell = [&](int offset) {
+    return static_cast<std::uint32_t>(
+        glm::clamp((normal[(face.axis + offset) % 3] + 1) * 128.0f, 0.0f, 255.0f));
+  };
+  return face.index() << 24 | spread_bits(cell(1)) << 1 | spread_bits(cell(2));
 }
 
 struct Keyed {
@@ -159,6 +181,29 @@ void split(std::span<const Keyed> order, Range range, std::size_t most, std::vec
   split(order, {middle, range.end}, most, out);
 }
 
+/// Whether normals turn so quickly among neighbours that ranges of points anywhere in the tile which face
+/// alike have less of a horizon, the directions that some of its points see and others do not, than ranges of
+/// neighbours: both the spread of normals and the range's size over a light's distance (1, here) widen it.
+bool turns_quickly(std::span<const Keyed> order, const Range& tile, const Frame& frame,
+                   std::span<const glm::vec3> positions, std::span<const glm::vec3> normals) {
+  constexpr std::size_t n_samples = 4;
+  if (tile.size() < 2 * n_samples * leaf_size) return false;
+  glm::vec3 least(infinity), most(-infinity);
+  float spread = 0;
+  for (std::size_t sample = 0; sample < n_samples; ++sample) {
+    const std::size_t first = tile.begin + sample * (tile.size() - leaf_size) / (n_samples - 1);
+    glm::vec3 least_normal(infinity), most_normal(-infinity);
+    for (std::size_t i = first; i < first + leaf_size; ++i) {
+      const glm::vec3 p = frame(positions[order[i].point]), n = normals[order[i].point];
+      least = glm::min(least, p), most = glm::max(most, p);
+      least_normal = glm::min(least_normal, n), most_normal = glm::max(most_normal, n);
+    }
+    const glm::vec3 extent = most_normal - least_normal;
+    spread += std::max({extent.x, extent.y, extent.z}) / n_samples;
+  }
+  return spread > glm::length(most - least);
+}
+
 /// A range of a tile's slots, in depth-first order: a node's first child follows it.
 struct Node {
   std::size_t begin, end;  ///< Slots; `begin` is a multiple of 16.
@@ -167,6 +212,7 @@ struct Node {
 
 /// What one thread needs for a tile.
 struct Workspace {
+  std::vector<Keyed> by_normal;  ///< The tile's points, where they turn quickly.
   std::vector<Node> nodes;
   std::vector<std::uint32_t> slots;  ///< The points; each leaf is filled up to 16 with its last one.
   std::array<std::vector<Range>, n_levels> ranges;  ///< By level.
@@ -181,6 +227,21 @@ struct Workspace {
   std::array<std::vector<LightField>, n_levels> fields;   ///< The same.
   PackedLights near;
 };
+
+/// The points of a tile by the way they face, in each half of it.
+void sort_by_normal(std::span<const Keyed> order, const Range& tile, std::span<const glm::vec3> normals,
+                    Workspace& work) {
+  std::vector<Range>& parts = work.ranges[0];
+  parts.clear();
+  split(order, tile, tile_size / 2, parts);
+  work.by_normal.clear();
+  for (std::size_t part = 0; part < parts.size(); ++part)
+    for (std::size_t i = parts[part].begin; i < parts[part].end; ++i)
+      work.by_normal.push_back(
+          {static_cast<std::uint32_t>(part) << key_bits | key_of(normals[order[i].point]), order[i].point});
+  std::stable_sort(work.by_normal.begin(), work.by_normal.end(),
+                   [](const Keyed& a, const Keyed& b) { return a.key < b.key; });
+}
 
 /// Adds the nodes of a range of at most `most` points.
 void add_nodes(std::span<const Keyed> order, Range range, std::size_t most, std::size_t level,
@@ -341,7 +402,12 @@ LightError irradiance_within(std::span<const Light> lights, double tolerance_dis
   parallel_blocks(tiles.size(), 1, [&](std::size_t tile, std::size_t) {
     static thread_local Workspace work;  // its memory is used again, its contents are not
     work.nodes.clear(), work.slots.clear();
-    add_nodes(order, tiles[tile], tile_size, 0, work);
+    if (turns_quickly(order, tiles[tile], frame, positions, normals)) {
+      sort_by_normal(order, tiles[tile], normals, work);
+      add_nodes(work.by_normal, {0, work.by_normal.size()}, tile_size, 0, work);
+    } else {
+      add_nodes(order, tiles[tile], tile_size, 0, work);
+    }
     load_points(frame, positions, normals, work);
     Tile t{packed, tolerance_display, work, {}};
     const PointBounds bounds = bound_points(work.points, 0, work.nodes[0].end);
