@@ -54,12 +54,12 @@ Points floor(std::size_t n) {
   return points;
 }
 
-/// Normals turn much among few neighbours.
+/// Normals turn much among few neighbours, and lamps are far in comparison.
 Points rippled_floor(std::size_t n) {
   Points points = floor(n);
   for (std::size_t i = 0; i < n; ++i) {
-    const glm::vec3& p = points.positions[i];
-    points.normals[i] = glm::normalize(glm::vec3(0.4f * std::sin(90 * p.x), 1, 0.4f * std::sin(80 * p.z)));
+    const glm::vec3& p = points.positions[i] *= 0.1f;
+    points.normals[i] = glm::normalize(glm::vec3(0.4f * std::sin(900 * p.x), 1, 0.4f * std::sin(800 * p.z)));
   }
   return points;
 }
