@@ -68,6 +68,13 @@ std::uint32_t spread_bits(std::uint32_t v) {
   return (v | (v << 2)) & 0x00249249u;
 }
 
+/// The same with one zero between.
+std::uint32_t spread_pairs(std::uint32_t v) {
+  v = (v | (v << 4)) & 0x0F0Fu;
+  v = (v | (v << 2)) & 0x3333u;
+  return (v | (v << 1)) & 0x5555u;
+}
+
 /// Which of six ways a normal faces: its largest axis and that one's sign.
 struct Face {
   int axis;
@@ -81,7 +88,7 @@ Face face_of(const glm::vec3& normal) {
   return {axis, normal[axis] < 0};
 }
 
-constexpr int key_bits = 27;
+constexpr int key_bits = 27, normal_key_bits = 19;
 constexpr std::uint32_t key_of_unlit = 6u << 24;  ///< Points that no positional light can reach sort last.
 
 /// Points with near keys lie near each other and face the same of six ways: the normal's largest axis, then
@@ -96,14 +103,14 @@ std::uint32_t key_of(const glm::vec3& position, const glm::vec3& normal, const B
          spread_bits(static_cast<std::uint32_t>(cell.z));
 }
 
-/// The same by the normal alone, as the Morton code of its other two axes.
+/// The same by the normal alone, as the Morton code of its other two axes: `normal_key_bits`.
 std::uint32_t key_of(const glm::vec3& normal) {
   const Face face = face_of(normal);
   const auto cell = [&](int offset) {
     return static_cast<std::uint32_t>(
         glm::clamp((normal[(face.axis + offset) % 3] + 1) * 128.0f, 0.0f, 255.0f));
   };
-  return face.index() << 24 | spread_bits(cell(1)) << 1 | spread_bits(cell(2));
+  return face.index() << 16 | spread_pairs(cell(1)) << 1 | spread_pairs(cell(2));
 }
 
 struct Keyed {
@@ -238,9 +245,9 @@ void sort_by_normal(std::span<const Keyed> order, const Range& tile, std::span<c
   for (std::size_t part = 0; part < parts.size(); ++part)
     for (std::size_t i = parts[part].begin; i < parts[part].end; ++i)
       work.by_normal.push_back(
-          {static_cast<std::uint32_t>(part) << key_bits | key_of(normals[order[i].point]), order[i].point});
-  std::stable_sort(work.by_normal.begin(), work.by_normal.end(),
-                   [](const Keyed& a, const Keyed& b) { return a.key < b.key; });
+          {static_cast<std::uint32_t>(part) << normal_key_bits | key_of(normals[order[i].point]),
+           order[i].point});
+  sort_by_key(work.by_normal);
 }
 
 /// Adds the nodes of a range of at most `most` points.
