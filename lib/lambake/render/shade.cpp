@@ -188,8 +188,11 @@ class FragmentLight {
     const Mesh& mesh = scene_.mesh;
     const PlaceBlock& places = block.places;
     const std::size_t n = places.n_places();
-    interpolate_normals(mesh.normals, places, block.normals);
-    if (lights_.needs_positions) interpolate(mesh.positions, places, block.positions);
+    if (lights_.needs_positions) {
+      interpolate_points(mesh.positions, mesh.normals, places, block.positions, block.normals);
+    } else {
+      interpolate_normals(mesh.normals, places, block.normals);
+    }
     irradiance(lights_, std::span(block.positions).first(n), std::span(block.normals).first(n),
                std::span(block.vertex_parts).first(n));
     if (mesh.colors.empty() && !has_unlit_) return;
