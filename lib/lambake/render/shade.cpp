@@ -77,7 +77,7 @@ void fill_background(std::span<LinearRgb> out) {
 struct PixelRange {
   std::span<const std::uint32_t> triangles;  ///< As in Visibility.
   std::span<const glm::vec2> barycentrics;
-  std::size_t begin, end;  ///< `begin` a multiple of PlaceBlock::group from which rows or the picture count.
+  std::size_t begin, end;  ///< `begin` is a multiple of PlaceBlock::group.
 };
 
 /// Colours the pixels of a range: brings covered ones through outgoing(). `find_vertex_parts(block)` sets

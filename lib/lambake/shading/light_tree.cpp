@@ -72,9 +72,10 @@ struct Workspace {
   std::vector<LinearRgb> sums;
   LightWeights weights;
   LightArrays merged;
-  std::array<LightArrays, n_levels> rest;                 ///< By level.
-  std::array<std::vector<PointBounds>, n_levels> bounds;  ///< Of the children of a node of that level.
-  std::array<std::vector<LightField>, n_levels> fields;   ///< The same.
+  std::array<LightArrays, RangeTree::n_levels> rest;  ///< By level.
+  std::array<std::vector<PointBounds>, RangeTree::n_levels>
+      bounds;  ///< Of the children of a node of that level.
+  std::array<std::vector<LightField>, RangeTree::n_levels> fields;  ///< The same.
   PackedLights near;
 };
 
@@ -209,8 +210,8 @@ LightError irradiance_within(std::span<const Light> lights, double tolerance_dis
     sources.index[i] = static_cast<std::uint32_t>(i);
   }
   const PackedLights packed = pack_lights(many);
-  const std::vector<Keyed> order = sort_points(positions, normals, box);
-  const std::vector<Range> tiles = cut_into_tiles(order);
+  const std::vector<KeyedPoint> order = sort_points(positions, normals, box);
+  const std::vector<PointRange> tiles = cut_into_tiles(order);
   std::vector<LightError> errors(tiles.size());
   parallel_blocks(tiles.size(), 1, [&](std::size_t tile, std::size_t) {
     static thread_local Workspace work;  // its memory is used again, its contents are not

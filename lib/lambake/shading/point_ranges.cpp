@@ -13,6 +13,8 @@ namespace {
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
 constexpr std::size_t key_block = 1024;
+constexpr std::size_t tile_size = RangeTree::tile_size, leaf_size = RangeTree::leaf_size,
+                      n_children = RangeTree::n_children;
 
 /// The lower 8 bits of v, two zeros between each and the next.
 std::uint32_t spread_bits(std::uint32_t v) {
@@ -67,24 +69,25 @@ std::uint32_t key_of(const glm::vec3& normal) {
 }
 
 /// Stable radix sort by key: 9 bits a pass.
-void sort_by_key(std::vector<Keyed>& items) {
+void sort_by_key(std::vector<KeyedPoint>& items) {
   constexpr int bits = 9;
   std::array<std::array<std::uint32_t, 1u << bits>, key_bits / bits> counts{};
-  for (const Keyed& item : items)
+  for (const KeyedPoint& item : items)
     for (std::size_t pass = 0; pass < counts.size(); ++pass)
       ++counts[pass][item.key >> (bits * pass) & ((1u << bits) - 1)];
-  std::vector<Keyed> other(items.size());
+  std::vector<KeyedPoint> other(items.size());
   for (std::size_t pass = 0; pass < counts.size(); ++pass) {
     std::uint32_t sum = 0;
     for (std::uint32_t& count : counts[pass]) sum += std::exchange(count, sum);
-    for (const Keyed& item : items)
+    for (const KeyedPoint& item : items)
       other[counts[pass][item.key >> (bits * pass) & ((1u << bits) - 1)]++] = item;
     items.swap(other);
   }
 }
 
 /// Cuts a range into such of at most `most` points, appended to `out`.
-void split(std::span<const Keyed> order, Range range, std::size_t most, std::vector<Range>& out) {
+void split(std::span<const KeyedPoint> order, PointRange range, std::size_t most,
+           std::vector<PointRange>& out) {
   if (range.size() <= most) {
     if (!out.empty() && out.back().end == range.begin && range.end - out.back().begin <= most)
       out.back().end = range.end;
@@ -99,7 +102,7 @@ void split(std::span<const Keyed> order, Range range, std::size_t most, std::vec
     middle = static_cast<std::size_t>(
         std::partition_point(order.begin() + static_cast<std::ptrdiff_t>(range.begin),
                              order.begin() + static_cast<std::ptrdiff_t>(range.end),
-                             [cell](const Keyed& point) { return point.key < cell; }) -
+                             [cell](const KeyedPoint& point) { return point.key < cell; }) -
         order.begin());
   }
   split(order, {range.begin, middle}, most, out);
@@ -109,7 +112,7 @@ void split(std::span<const Keyed> order, Range range, std::size_t most, std::vec
 /// Whether normals turn so quickly among neighbours that ranges of points anywhere in the tile which face
 /// alike have less of a horizon, the directions that some of its points see and others do not, than ranges of
 /// neighbours: both the spread of normals and the range's size over a light's distance (`unit`) widen it.
-bool turns_quickly(std::span<const Keyed> order, const Range& tile, float unit,
+bool turns_quickly(std::span<const KeyedPoint> order, const PointRange& tile, float unit,
                    std::span<const glm::vec3> positions, std::span<const glm::vec3> normals) {
   constexpr std::size_t n_samples = 4;
   if (tile.size() < 2 * n_samples * leaf_size) return false;
@@ -130,9 +133,9 @@ bool turns_quickly(std::span<const Keyed> order, const Range& tile, float unit,
 }
 
 /// The points of a tile by the way they face, in each half of it.
-void sort_by_normal(std::span<const Keyed> order, const Range& tile, std::span<const glm::vec3> normals,
-                    RangeTree& tree) {
-  std::vector<Range>& parts = tree.ranges[0];
+void sort_by_normal(std::span<const KeyedPoint> order, const PointRange& tile,
+                    std::span<const glm::vec3> normals, RangeTree& tree) {
+  std::vector<PointRange>& parts = tree.ranges[0];
   parts.clear();
   split(order, tile, tile_size / 2, parts);
   tree.by_normal.clear();
@@ -145,7 +148,7 @@ void sort_by_normal(std::span<const Keyed> order, const Range& tile, std::span<c
 }
 
 /// Adds the nodes of a range of at most `most` points.
-void add_nodes(std::span<const Keyed> order, Range range, std::size_t most, std::size_t level,
+void add_nodes(std::span<const KeyedPoint> order, PointRange range, std::size_t most, std::size_t level,
                RangeTree& tree) {
   while (most > leaf_size && range.size() <= most / n_children) most /= n_children;
   const std::size_t node = tree.nodes.size();
@@ -155,10 +158,10 @@ void add_nodes(std::span<const Keyed> order, Range range, std::size_t most, std:
     tree.nodes[node].end = tree.slots.size();
     tree.slots.resize((tree.slots.size() + 15) / 16 * 16, tree.slots.back());
   } else {
-    std::vector<Range>& parts = tree.ranges[level];
+    std::vector<PointRange>& parts = tree.ranges[level];
     parts.clear();
     split(order, range, most / n_children, parts);
-    for (const Range& part : parts) add_nodes(order, part, most / n_children, level + 1, tree);
+    for (const PointRange& part : parts) add_nodes(order, part, most / n_children, level + 1, tree);
     tree.nodes[node].end = tree.slots.size();
   }
   tree.nodes[node].next = tree.nodes.size();
@@ -166,9 +169,9 @@ void add_nodes(std::span<const Keyed> order, Range range, std::size_t most, std:
 
 }  // namespace
 
-std::vector<Keyed> sort_points(std::span<const glm::vec3> positions, std::span<const glm::vec3> normals,
-                               const Bounds& box) {
-  std::vector<Keyed> items(positions.size());
+std::vector<KeyedPoint> sort_points(std::span<const glm::vec3> positions, std::span<const glm::vec3> normals,
+                                    const Bounds& box) {
+  std::vector<KeyedPoint> items(positions.size());
   const glm::vec3 size = box.max - box.min;
   const float longest = std::max({size.x, size.y, size.z});
   const glm::vec3 cells(longest > 0 ? 256.0f / longest : 0.0f);
@@ -181,13 +184,13 @@ std::vector<Keyed> sort_points(std::span<const glm::vec3> positions, std::span<c
   return items;
 }
 
-std::vector<Range> cut_into_tiles(std::span<const Keyed> order) {
-  std::vector<Range> tiles;
+std::vector<PointRange> cut_into_tiles(std::span<const KeyedPoint> order) {
+  std::vector<PointRange> tiles;
   if (!order.empty()) split(order, {0, order.size()}, tile_size, tiles);
   return tiles;
 }
 
-void build_range_tree(std::span<const Keyed> order, const Range& tile, float unit,
+void build_range_tree(std::span<const KeyedPoint> order, const PointRange& tile, float unit,
                       std::span<const glm::vec3> positions, std::span<const glm::vec3> normals,
                       RangeTree& tree) {
   tree.nodes.clear(), tree.slots.clear();
