@@ -34,20 +34,14 @@ int render_and_write(const RenderCommand& command) {
   Picture picture;
   std::size_t n_covered = 0;
   if (command.shading == "fragment") {
-    const Visibility visibility = find_visibility(scene, scene.mesh, camera, size.x, size.y);
-    stopwatch.lap("visibility");
-    picture = shade_per_fragment(scene, visibility);
-    n_covered = visibility.n_covered;
+    n_covered = render_per_fragment(scene, camera, size.x, size.y, picture);
   } else {
     const BakedColors baked =
         bake(scene, bake_options({.method = command.shading == "face" ? "face" : "sample"}, console));
     stopwatch.lap("bake");
-    const Visibility visibility = find_visibility(scene, mesh_of(scene, baked), camera, size.x, size.y);
-    stopwatch.lap("visibility");
-    picture = shade_per_vertex(scene, baked, visibility);
-    n_covered = visibility.n_covered;
+    n_covered = render_per_vertex(scene, baked, camera, size.x, size.y, picture);
   }
-  stopwatch.lap("shade");
+  stopwatch.lap("render");
   console.clear_bar();
   for (const std::string& path : command.outputs) {
     write_picture(path, picture);

@@ -92,6 +92,17 @@ void lamps_merged(benchmark::State& state) {
 }
 BENCHMARK(lamps_merged)->Arg(1000)->Arg(10000)->MeasureProcessCPUTime()->UseRealTime();
 
+/// Where normals turn much within two dozen vertices: ripples of a steepest slope in hundredths.
+void lamps_10000_merged_on_ripples(benchmark::State& state) {
+  Mesh mesh = wavy_floor(side, 0.01f * static_cast<float>(state.range(0)));
+  mesh.normals = vertex_normals(mesh, NormalWeight::angle).normals;
+  const std::vector<Light> lights = lamps_over_the_floor(10000);
+  LightError error;
+  for (auto _ : state) error = irradiance_within(lights, 0.25 / 255, mesh.positions, mesh.normals, output());
+  state.counters["certified_steps_of_255"] = 255 * error.display;
+}
+BENCHMARK(lamps_10000_merged_on_ripples)->Arg(10)->Arg(40)->MeasureProcessCPUTime()->UseRealTime();
+
 void copy_positions_and_triangles(benchmark::State& state) {
   const Mesh& mesh = floor_mesh();
   std::vector<glm::vec3> positions(mesh.n_vertices());

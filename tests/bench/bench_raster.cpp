@@ -65,19 +65,16 @@ Camera close_camera() {
 void ours(benchmark::State& state) {
   const Scene scene =
       bumpy_sphere(static_cast<std::size_t>(state.range(0)), static_cast<std::size_t>(state.range(1)));
-  Visibility seen;
   Picture picture;
-  for (auto _ : state) {
-    find_visibility(scene, scene.mesh, close_camera(), width, height, seen);
-    shade_per_fragment(scene, seen, picture);
-  }
-  state.counters["covered_pixels"] = static_cast<double>(seen.n_covered);
+  std::size_t n_covered = 0;
+  for (auto _ : state) n_covered = render_per_fragment(scene, close_camera(), width, height, picture);
+  state.counters["covered_pixels"] = static_cast<double>(n_covered);
 }
 
 void visibility_alone(benchmark::State& state) {
   const Scene scene = bumpy_sphere(static_cast<std::size_t>(state.range(0)), 1);
-  Visibility seen;
-  for (auto _ : state) find_visibility(scene, scene.mesh, close_camera(), width, height, seen);
+  for (auto _ : state)
+    visit_visible_tiles(scene, scene.mesh, close_camera(), width, height, [](const VisibleTile&) {});
 }
 
 #ifdef LAMBAKE_HAS_OSMESA

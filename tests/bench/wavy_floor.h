@@ -12,13 +12,17 @@
 namespace lambake {
 
 /// side² vertices, 2·(side − 1)² triangles, no normals.
-inline Mesh wavy_floor(std::uint32_t side) {
+/// @param ripples  steepest slope of ripples two dozen vertices long on top of the waves.
+inline Mesh wavy_floor(std::uint32_t side, float ripples = 0) {
   Mesh m;
   for (std::uint32_t i = 0; i < side; ++i)
     for (std::uint32_t j = 0; j < side; ++j) {
       const float x = 2 * static_cast<float>(i) / static_cast<float>(side) - 1;
       const float z = 2 * static_cast<float>(j) / static_cast<float>(side) - 1;
-      m.positions.emplace_back(x, 0.1f * std::sin(3 * x) * std::cos(2.5f * z), z);
+      const float turn = 6.2831853f / 24, height = ripples * 2 / (static_cast<float>(side) * turn);
+      const float ripple =
+          height * std::sin(turn * static_cast<float>(i)) * std::cos(turn * static_cast<float>(j));
+      m.positions.emplace_back(x, 0.1f * std::sin(3 * x) * std::cos(2.5f * z) + ripple, z);
     }
   for (std::uint32_t i = 0; i + 1 < side; ++i)
     for (std::uint32_t j = 0; j + 1 < side; ++j) {

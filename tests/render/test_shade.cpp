@@ -165,6 +165,35 @@ TEST(Shade, OneThreadAndTwo_GiveTheSamePictures) {
   set_thread_count(0);
 }
 
+/// The picture's memory comes used, and neither side is a whole number of tiles or groups of pixels.
+TEST(Render, TileByTileOnAnyNumberOfThreads_IsThePictureOfTheWholeVisibility) {
+  Scene scene = scene_of({}, {});
+  scene.mesh = testing::sphere_mesh(40);
+  scene.lights = {sun({0.3f, 0.5f, 1})};
+  scene.materials[0].emission = {0, 0.25f, 0};
+  const BakedColors baked = bake(scene, {});
+  Camera camera = frame(scene.mesh.positions, 1);
+  camera.vertical_fov_rad *= 2;  // tiles without anything around
+  for (const auto& [width, height] : {std::pair{333u, 201u}, std::pair{64u, 64u}, std::pair{5u, 130u}}) {
+    SCOPED_TRACE(::testing::Message() << width << "x" << height);
+    const Visibility seen = find_visibility(scene, scene.mesh, camera, width, height);
+    ASSERT_GT(seen.n_covered, 0u);
+    for (const std::size_t n_threads : {1u, 2u}) {
+      set_thread_count(n_threads);
+      Picture picture;
+      picture.pixels.assign(7, {9, 9, 9});
+      EXPECT_EQ(render_per_fragment(scene, camera, width, height, picture), seen.n_covered);
+      EXPECT_EQ(picture.width, width);
+      EXPECT_EQ(picture.height, height);
+      EXPECT_EQ(picture.pixels, shade_per_fragment(scene, seen).pixels);
+      std::fill(picture.pixels.begin(), picture.pixels.end(), LinearRgb{9, 9, 9});
+      EXPECT_EQ(render_per_vertex(scene, baked, camera, width, height, picture), seen.n_covered);
+      EXPECT_EQ(picture.pixels, shade_per_vertex(scene, baked, seen).pixels);
+    }
+    set_thread_count(0);
+  }
+}
+
 TEST(CountSeenFromBehind, FacesTurnedFromTheirNormals_AreCountedByPixel) {
   Scene scene = square_scene();
   const Camera camera = pixel_camera(16, 16);

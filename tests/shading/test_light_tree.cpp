@@ -54,6 +54,16 @@ Points floor(std::size_t n) {
   return points;
 }
 
+/// Normals turn much among few neighbours, and lamps are far in comparison.
+Points rippled_floor(std::size_t n) {
+  Points points = floor(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const glm::vec3& p = points.positions[i] *= 0.1f;
+    points.normals[i] = glm::normalize(glm::vec3(0.4f * std::sin(900 * p.x), 1, 0.4f * std::sin(800 * p.z)));
+  }
+  return points;
+}
+
 /// No two neighbours face the same way.
 Points hedgehog(std::size_t n) {
   Random random;
@@ -112,6 +122,11 @@ TEST(ManyLights, OnAFloor_NoFurtherOffThanCertified) {
     EXPECT_GT(expect_certified(lamps(2000), floor(6000), tolerance).display, 0);
 }
 
+TEST(ManyLights, OnARippledFloor_NoFurtherOffThanCertified) {
+  for (const double tolerance : {0.25 * step, 0.02 * step})
+    EXPECT_GT(expect_certified(lamps(1000), rippled_floor(12000), tolerance).display, 0);
+}
+
 TEST(ManyLights, WhereNoTwoNeighboursFaceAlike_NoFurtherOffThanCertified) {
   expect_certified(lamps(1000), hedgehog(3000), 0.25 * step);
 }
@@ -143,6 +158,19 @@ TEST(ManyLights, AnyScaleAndFarFromTheOrigin_NoFurtherOffThanCertified) {
   for (glm::vec3& p : points.positions) p += glm::vec3(1000, -2000, 4000);
   for (Light& light : lights) light.position += glm::vec3(1000, -2000, 4000);
   expect_certified(lights, points, 0.25 * step);
+}
+
+TEST(ManyLights, CrowdsOfPointsAmongScatteredOnes_NoFurtherOffThanCertified) {
+  // More in one place than are ever taken together, and some so lonely that they share a range with others.
+  Points points = sphere(500);
+  Random random;
+  for (std::size_t i = 0; i < 9000; ++i) {
+    points.positions.push_back(points.positions[7]);
+    points.normals.push_back(points.normals[7]);
+    points.positions.push_back(points.positions[300] + random.in_cube(1e-3f));
+    points.normals.push_back(points.normals[300]);
+  }
+  EXPECT_GT(expect_certified(lamps(600), points, 0.25 * step).display, 0);
 }
 
 TEST(ManyLights, OtherKindsAmongThem_AreAddedPlainly) {
@@ -193,11 +221,13 @@ TEST(ManyLights, ToleranceZeroOrFewLights_IsThePlainSumToTheLastBit) {
 }
 
 TEST(ManyLights, AnyNumberOfThreadsAndAnyVectorPath_GiveTheSameBits) {
-  const Points points = sphere(20000);
+  const Points smooth = sphere(20000), rippled = rippled_floor(20000);
   const std::vector<Light> lights = lamps(1500);
   const auto bake = [&] {
-    std::vector<LinearRgb> out(points.positions.size());
-    irradiance_within(lights, 0.25 * step, points.positions, points.normals, out);
+    std::vector<LinearRgb> out(40000);
+    const std::span all(out);
+    irradiance_within(lights, 0.25 * step, smooth.positions, smooth.normals, all.first(20000));
+    irradiance_within(lights, 0.25 * step, rippled.positions, rippled.normals, all.last(20000));
     return out;
   };
   const std::vector<LinearRgb> expected = bake();
@@ -209,6 +239,62 @@ TEST(ManyLights, AnyNumberOfThreadsAndAnyVectorPath_GiveTheSameBits) {
     EXPECT_EQ(bake(), expected) << path;
   }
   choose_vector_path("");
+}
+
+/// n lights without padding, of the channels (1, 0.5, 0.25).
+LightArrays arrays_of(const std::vector<glm::vec3>& places) {
+  LightArrays lights;
+  lights.reserve(places.size());
+  lights.size = places.size();
+  for (std::size_t i = 0; i < places.size() + LightArrays::lane_padding; ++i) {
+    const bool exists = i < places.size();
+    const glm::vec3& p = places[exists ? i : 0];
+    lights.x[i] = p.x, lights.y[i] = p.y, lights.z[i] = p.z;
+    lights.r[i] = exists ? 1.0f : 0.0f, lights.g[i] = 0.5f * lights.r[i], lights.b[i] = 0.25f * lights.r[i];
+  }
+  return lights;
+}
+
+TEST(LightField, HandedDownToSmallerBalls_IsTheSameField) {
+  Random random;
+  std::vector<glm::vec3> places;
+  for (int i = 0; i < 40; ++i) places.push_back(glm::vec3(3, -2, 1) + random.unit() * random(0.5f, 4.0f));
+  LightField field;
+  field.center = {3, -2, 1};
+  field.radius = 0.25f;
+  add_lights(field, arrays_of(places));
+  std::vector<LightField> parts(6);  // more than are handed down at once, and not a multiple of it
+  for (LightField& part : parts) {
+    part.radius = random(0.01f, 0.1f);
+    part.center = field.center + random.unit() * (0.25f - part.radius);
+    part.coefficients[1][3] = 9;
+  }
+  translate(field, parts);
+  for (const LightField& part : parts) {
+    LightField part_of_part;
+    part_of_part.radius = 0.5f * part.radius;
+    part_of_part.center = part.center + random.unit() * part_of_part.radius;
+    translate(part, std::span(&part_of_part, 1));
+    PointArrays expected, once, twice;
+    for (PointArrays* points : {&expected, &once, &twice}) points->resize(16);
+    for (std::size_t i = 0; i < 16; ++i) {
+      const glm::vec3 p = part_of_part.center + random.unit() * part_of_part.radius, n = random.unit();
+      for (PointArrays* points : {&expected, &once, &twice}) {
+        points->x[i] = p.x, points->y[i] = p.y, points->z[i] = p.z;
+        points->nx[i] = n.x, points->ny[i] = n.y, points->nz[i] = n.z;
+      }
+    }
+    add_irradiance(field, expected, 0, 16);
+    add_irradiance(part, once, 0, 16);
+    add_irradiance(part_of_part, twice, 0, 16);
+    // Rounding, in units of what 40 lamps at distances from 0.5 on give: up to 40.
+    for (std::size_t i = 0; i < 16; ++i)
+      for (const PointArrays* points : {&once, &twice}) {
+        EXPECT_NEAR(points->r[i], expected.r[i], 4e-5f);
+        EXPECT_NEAR(points->g[i], expected.g[i], 2e-5f);
+        EXPECT_NEAR(points->b[i], expected.b[i], 1e-5f);
+      }
+  }
 }
 
 /// One lamp at distance 1 of a ball of radius q, as its field against the equation.

@@ -60,17 +60,21 @@ HWY_INLINE M reaches_a_centre(const V2& v0, const V2& v1, const V2& v2, M is_clo
   return hn::Gt(all_outside, hn::Set(i32, -1));
 }
 
-/// The triangles in the lanes that may be seen.
-HWY_INLINE M may_be_seen(const ScreenVertex* vertices, const std::int32_t* corners, V first_corner) {
+/// Corners of triangles one after the other, as vectors load them: copying them is cheaper than gathering.
+struct CornerBatch {
+  static constexpr std::size_t size = 64;
+  HWY_ALIGN ScreenVertex at[3][size];
+};
+
+/// The triangles from `i` of the batch on that may be seen.
+HWY_INLINE M may_be_seen(const CornerBatch& corners, std::size_t i) {
   const Ints i32;
   const V zero = hn::Zero(i32);
-  const std::int32_t* const base = &vertices->x;
   V2 v[3];
   V common = hn::Set(i32, -1), any = zero;
   for (int c = 0; c < 3; ++c) {
-    const V at = hn::ShiftLeft<2>(hn::GatherIndex(i32, corners + c, first_corner));
-    v[c] = {hn::GatherIndex(i32, base, at), hn::GatherIndex(i32, base + 1, at)};
-    const V outcode = hn::GatherIndex(i32, base + 3, at);
+    V nearness, outcode;
+    hn::LoadInterleaved4(i32, &corners.at[c][i].x, v[c].x, v[c].y, nearness, outcode);
     common = hn::And(common, outcode);
     any = hn::Or(any, outcode);
   }
@@ -104,14 +108,17 @@ std::size_t candidates_of(std::span<const ScreenVertex> vertices, std::span<cons
                           std::size_t begin, std::size_t end, std::uint32_t* out) {
   const Ints i32;
   const std::size_t lanes = hn::Lanes(i32);
-  const std::int32_t* const corners = reinterpret_cast<const std::int32_t*>(triangles.data());
   std::int32_t* next = reinterpret_cast<std::int32_t*>(out);
-  for (std::size_t t = begin; t < end; t += lanes) {
-    const V index = hn::Iota(i32, static_cast<std::int32_t>(t));
-    const M exists = hn::Lt(index, hn::Set(i32, static_cast<std::int32_t>(end)));
-    const V sound = hn::IfThenElse(exists, index, hn::Set(i32, static_cast<std::int32_t>(begin)));
-    const M seen = may_be_seen(vertices.data(), corners, hn::Mul(sound, hn::Set(i32, 3)));
-    next += hn::CompressStore(index, hn::And(seen, exists), i32, next);
+  CornerBatch corners{};  // what lanes past the end read
+  for (std::size_t first = begin; first < end; first += CornerBatch::size) {
+    const std::size_t n = std::min(CornerBatch::size, end - first);
+    for (std::size_t i = 0; i < n; ++i)
+      for (int c = 0; c < 3; ++c) corners.at[c][i] = vertices[triangles[first + i][c]];
+    for (std::size_t i = 0; i < n; i += lanes) {
+      const M seen = hn::And(may_be_seen(corners, i), hn::FirstN(i32, std::min(lanes, n - i)));
+      const V index = hn::Iota(i32, static_cast<std::int32_t>(first + i));
+      next += hn::CompressStore(index, seen, i32, next);
+    }
   }
   return static_cast<std::size_t>(next - reinterpret_cast<std::int32_t*>(out));
 }

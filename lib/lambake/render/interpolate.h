@@ -36,15 +36,21 @@ struct PlaceBlock {
 };
 
 /// Fills the block for the groups that begin at its `first_pixels`. The mesh has at least one triangle.
-void load_places(const Mesh& mesh, const Visibility& visibility, PlaceBlock& block);
+/// @param triangles, barycentrics  of all pixels, as in Visibility.
+void load_places(const Mesh& mesh, std::span<const std::uint32_t> triangles,
+                 std::span<const glm::vec2> barycentrics, PlaceBlock& block);
 
 /// @param values  V. @param out  n_places() or more.
-void interpolate(std::span<const glm::vec3> values, const PlaceBlock& block, std::span<glm::vec3> out);
 void interpolate(std::span<const LinearRgb> values, const PlaceBlock& block, std::span<LinearRgb> out);
 
 /// The unit shading normals n/|n| of n(b); (0,0,0) where that vanishes. A normal that all three corners share
 /// is taken as it is, so that a flat face is lit exactly as its vertices are.
 void interpolate_normals(std::span<const glm::vec3> normals, const PlaceBlock& block,
                          std::span<glm::vec3> out);
+
+/// Both the positions and the unit shading normals: the triangles are looked up once.
+void interpolate_points(std::span<const glm::vec3> positions, std::span<const glm::vec3> normals,
+                        const PlaceBlock& block, std::span<glm::vec3> out_positions,
+                        std::span<glm::vec3> out_normals);
 
 }  // namespace lambake

@@ -4,7 +4,6 @@
 #include <limits>
 
 #include "lambake/render/raster_setup.h"
-#include "lambake/render/visibility.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "lambake/render/raster_tile.cpp"

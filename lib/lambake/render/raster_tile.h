@@ -8,11 +8,10 @@
 #include <vector>
 
 #include "lambake/render/screen.h"
+#include "lambake/render/visibility.h"
 
 /// Triangles into the pixels of one tile; internal to the folder.
 namespace lambake {
-
-inline constexpr int tile_side = 64;
 
 /// The pixels of a tile while triangles are drawn into it.
 struct Tile {

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
+#include <vector>
 
 #include "lambake/core/error.h"
 #include "lambake/core/parallel.h"
@@ -64,100 +66,174 @@ bool is_empty(const std::uint32_t* triangles, std::size_t n) {
   return common == no_triangle;
 }
 
-/// Fills a picture whose covered pixels are brought through outgoing(); `find_vertex_parts(block)` sets
-/// block.vertex_parts.
-template <typename FindVertexParts>
-void shade(const Scene& scene, const Mesh& mesh, const Visibility& visibility,
-           const FindVertexParts& find_vertex_parts, Picture& out) {
+/// At most tile_side pixels. A copy of whole vectors, where a fill would store pixel by pixel.
+void fill_background(std::span<LinearRgb> out) {
+  static_assert(PlaceBlock::group <= tile_side);
+  static const std::vector<LinearRgb> row(tile_side, background);
+  std::copy_n(row.begin(), out.size(), out.begin());
+}
+
+/// Pixels that are shaded in one go, and where their colours go.
+struct PixelRange {
+  std::span<const std::uint32_t> triangles;  ///< As in Visibility.
+  std::span<const glm::vec2> barycentrics;
+  std::size_t begin, end;  ///< `begin` is a multiple of PlaceBlock::group.
+};
+
+/// Colours the pixels of a range: brings covered ones through outgoing(). `find_vertex_parts(block)` sets
+/// block.vertex_parts; `place(pixel)` gives where the colours of the group from that pixel on go, and how
+/// many are wanted.
+template <typename FindVertexParts, typename Place>
+void shade_range(const Scene& scene, const Mesh& mesh, const PixelRange& range,
+                 const FindVertexParts& find_vertex_parts, const Place& place) {
   constexpr std::size_t group = PlaceBlock::group;
   // One material without textures and emission: no pixel needs to know its place for the rest.
   const Material& first_material = scene.materials[0];
   const bool needs_places = !mesh.materials.empty() || first_material.base_color_texture != no_texture ||
                             first_material.emission != LinearRgb{};
+  ShadingBlock block;
+  PlaceBlock& places = block.places;
+  const auto flush = [&] {
+    if (places.n_groups == 0) return;
+    load_places(mesh, range.triangles, range.barycentrics, places);
+    find_vertex_parts(block);
+    if (needs_places) {
+      for (std::size_t i = 0; i < places.n_places(); ++i)
+        block.vertex_parts[i] = outgoing(scene, mesh, places, i, block.vertex_parts[i]);
+    } else if (first_material.base_color != LinearRgb{1, 1, 1}) {
+      for (std::size_t i = 0; i < places.n_places(); ++i)
+        block.vertex_parts[i] = first_material.base_color * block.vertex_parts[i];
+    }
+    for (std::size_t g = 0; g < places.n_groups; ++g) {
+      const std::size_t first = places.first_pixels[g];
+      const std::span<LinearRgb> out = place(first);
+      const LinearRgb* const colors = block.vertex_parts.data() + g * group;
+      if (places.is_covered[g]) {
+        std::copy_n(colors, out.size(), out.data());
+        continue;
+      }
+      for (std::size_t lane = 0; lane < out.size(); ++lane)
+        out[lane] = range.triangles[first + lane] == no_triangle ? background : colors[lane];
+    }
+    places.n_groups = 0;
+  };
+  for (std::size_t pixel = range.begin; pixel < range.end; pixel += group) {
+    if (is_empty(&range.triangles[pixel], std::min(group, range.end - pixel))) {
+      fill_background(place(pixel));
+      continue;
+    }
+    places.first_pixels[places.n_groups] = pixel;
+    if (++places.n_groups == PlaceBlock::max_groups) flush();
+  }
+  flush();
+}
+
+/// A picture of what `visibility` has.
+template <typename FindVertexParts>
+Picture shade(const Scene& scene, const Mesh& mesh, const Visibility& visibility,
+              const FindVertexParts& find_vertex_parts) {
+  Picture out;
   out.width = visibility.width;
   out.height = visibility.height;
   out.pixels.resize(visibility.triangles.size());
   parallel_blocks(out.n_pixels(), pixel_block, [&](std::size_t begin, std::size_t end) {
-    ShadingBlock block;
-    PlaceBlock& places = block.places;
-    const auto flush = [&] {
-      if (places.n_groups == 0) return;
-      load_places(mesh, visibility, places);
-      find_vertex_parts(block);
-      if (needs_places) {
-        for (std::size_t i = 0; i < places.n_places(); ++i)
-          block.vertex_parts[i] = outgoing(scene, mesh, places, i, block.vertex_parts[i]);
-      } else if (first_material.base_color != LinearRgb{1, 1, 1}) {
-        for (std::size_t i = 0; i < places.n_places(); ++i)
-          block.vertex_parts[i] = first_material.base_color * block.vertex_parts[i];
-      }
-      for (std::size_t g = 0; g < places.n_groups; ++g) {
-        const std::size_t first = places.first_pixels[g], n = std::min(group, end - first);
-        const LinearRgb* const colors = block.vertex_parts.data() + g * group;
-        if (places.is_covered[g]) {
-          std::copy_n(colors, n, out.pixels.data() + first);
-          continue;
-        }
-        for (std::size_t lane = 0; lane < n; ++lane)
-          out.pixels[first + lane] =
-              visibility.triangles[first + lane] == no_triangle ? background : colors[lane];
-      }
-      places.n_groups = 0;
+    shade_range(scene, mesh, {visibility.triangles, visibility.barycentrics, begin, end}, find_vertex_parts,
+                [&](std::size_t pixel) {
+                  return std::span(out.pixels).subspan(pixel, std::min(PlaceBlock::group, end - pixel));
+                });
+  });
+  return out;
+}
+
+/// The same, each tile as soon as it is known who is seen there. Returns the number of covered pixels.
+template <typename FindVertexParts>
+std::size_t render(const Scene& scene, const Mesh& mesh, const Camera& camera, std::uint32_t width,
+                   std::uint32_t height, const FindVertexParts& find_vertex_parts, Picture& out) {
+  out.width = width;
+  out.height = height;
+  out.pixels.resize(std::size_t{width} * height);
+  return visit_visible_tiles(scene, mesh, camera, width, height, [&](const VisibleTile& tile) {
+    const auto row_of = [&](std::size_t row) {
+      return std::span(out.pixels).subspan((tile.y + row) * width + tile.x, tile.width);
     };
-    for (std::size_t pixel = begin; pixel < end; pixel += group) {
-      const std::size_t n = std::min(group, end - pixel);
-      if (is_empty(visibility.triangles.data() + pixel, n)) {
-        std::fill_n(out.pixels.data() + pixel, n, background);
-        continue;
-      }
-      places.first_pixels[places.n_groups] = pixel;
-      if (++places.n_groups == PlaceBlock::max_groups) flush();
+    if (tile.triangles.empty()) {
+      for (std::size_t row = 0; row < tile.height; ++row) fill_background(row_of(row));
+      return;
     }
-    flush();
+    shade_range(
+        scene, mesh, {tile.triangles, tile.barycentrics, 0, std::size_t{tile.height} * tile_side},
+        find_vertex_parts, [&](std::size_t pixel) {
+          const std::size_t column = std::min<std::size_t>(pixel % tile_side, tile.width);
+          return row_of(pixel / tile_side).subspan(column, std::min(PlaceBlock::group, tile.width - column));
+        });
   });
 }
 
-}  // namespace
-
-void shade_per_fragment(const Scene& scene, const Visibility& visibility, Picture& out) {
-  const Mesh& mesh = scene.mesh;
+void check_normals(const Mesh& mesh) {
   if (mesh.normals.size() != mesh.n_vertices())
     throw InvalidScene(
         fmt::format("render: expected {} vertex normals, found {}", mesh.n_vertices(), mesh.normals.size()));
-  const PackedLights lights = pack_lights(scene.lights);
-  const bool has_unlit = std::any_of(scene.materials.begin(), scene.materials.end(),
-                                     [](const Material& material) { return material.is_unlit; });
-  const auto find_vertex_parts = [&](ShadingBlock& block) {
+}
+
+/// The vertex parts of light that is evaluated at each pixel.
+class FragmentLight {
+ public:
+  explicit FragmentLight(const Scene& scene) : scene_(scene), lights_(pack_lights(scene.lights)) {
+    check_normals(scene.mesh);
+    has_unlit_ = std::any_of(scene.materials.begin(), scene.materials.end(),
+                             [](const Material& material) { return material.is_unlit; });
+  }
+
+  void operator()(ShadingBlock& block) const {
+    const Mesh& mesh = scene_.mesh;
     const PlaceBlock& places = block.places;
     const std::size_t n = places.n_places();
-    interpolate_normals(mesh.normals, places, block.normals);
-    if (lights.needs_positions) interpolate(mesh.positions, places, block.positions);
-    irradiance(lights, std::span(block.positions).first(n), std::span(block.normals).first(n),
+    if (lights_.needs_positions) {
+      interpolate_points(mesh.positions, mesh.normals, places, block.positions, block.normals);
+    } else {
+      interpolate_normals(mesh.normals, places, block.normals);
+    }
+    irradiance(lights_, std::span(block.positions).first(n), std::span(block.normals).first(n),
                std::span(block.vertex_parts).first(n));
-    if (mesh.colors.empty() && !has_unlit) return;
+    if (mesh.colors.empty() && !has_unlit_) return;
     block.base_colors.fill({1, 1, 1});
     if (!mesh.colors.empty()) interpolate(mesh.colors, places, block.base_colors);
     for (std::size_t i = 0; i < n; ++i) {
-      const bool is_unlit = scene.materials[mesh.material_of(places.triangles[i])].is_unlit;
+      const bool is_unlit = scene_.materials[mesh.material_of(places.triangles[i])].is_unlit;
       block.vertex_parts[i] = is_unlit ? block.base_colors[i] : block.base_colors[i] * block.vertex_parts[i];
     }
-  };
-  shade(scene, mesh, visibility, find_vertex_parts, out);
-}
+  }
+
+ private:
+  const Scene& scene_;
+  PackedLights lights_;
+  bool has_unlit_ = false;
+};
+
+/// The vertex parts that were baked.
+struct VertexLight {
+  const BakedColors& baked;
+  void operator()(ShadingBlock& block) const { interpolate(baked.colors, block.places, block.vertex_parts); }
+};
+
+}  // namespace
 
 Picture shade_per_fragment(const Scene& scene, const Visibility& visibility) {
-  Picture picture;
-  shade_per_fragment(scene, visibility, picture);
-  return picture;
+  return shade(scene, scene.mesh, visibility, FragmentLight(scene));
 }
 
 Picture shade_per_vertex(const Scene& scene, const BakedColors& baked, const Visibility& visibility) {
-  Picture picture;
-  const auto find_vertex_parts = [&](ShadingBlock& block) {
-    interpolate(baked.colors, block.places, block.vertex_parts);
-  };
-  shade(scene, mesh_of(scene, baked), visibility, find_vertex_parts, picture);
-  return picture;
+  return shade(scene, mesh_of(scene, baked), visibility, VertexLight{baked});
+}
+
+std::size_t render_per_fragment(const Scene& scene, const Camera& camera, std::uint32_t width,
+                                std::uint32_t height, Picture& out) {
+  return render(scene, scene.mesh, camera, width, height, FragmentLight(scene), out);
+}
+
+std::size_t render_per_vertex(const Scene& scene, const BakedColors& baked, const Camera& camera,
+                              std::uint32_t width, std::uint32_t height, Picture& out) {
+  return render(scene, mesh_of(scene, baked), camera, width, height, VertexLight{baked}, out);
 }
 
 std::size_t count_seen_from_behind(const Scene& scene, const Visibility& visibility, const Camera& camera) {

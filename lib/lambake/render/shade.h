@@ -16,12 +16,18 @@ inline constexpr LinearRgb background{0.0f, 0.0f, 0.0f};
 /// textures sampled, and the equation is evaluated. `visibility` is of the scene's own mesh, which has
 /// normals.
 Picture shade_per_fragment(const Scene& scene, const Visibility& visibility);
-/// The same into `out`, whose memory is used again: for many frames.
-void shade_per_fragment(const Scene& scene, const Visibility& visibility, Picture& out);
 
 /// Gouraud: baked colours interpolated, times the material's base colour and texture, plus its emission.
 /// `visibility` is of mesh_of(scene, baked).
 Picture shade_per_vertex(const Scene& scene, const BakedColors& baked, const Visibility& visibility);
+
+/// The same pictures, to the bit, from the camera on: each tile is lit while it is in cache who is seen
+/// there. For who needs one picture and not the visibility. `out` takes the picture, and its memory is used
+/// again. Errors as of find_visibility(). Returns the number of covered pixels.
+std::size_t render_per_fragment(const Scene& scene, const Camera& camera, std::uint32_t width,
+                                std::uint32_t height, Picture& out);
+std::size_t render_per_vertex(const Scene& scene, const BakedColors& baked, const Camera& camera,
+                              std::uint32_t width, std::uint32_t height, Picture& out);
 
 /// Covered pixels whose triangle is seen from the side that its normal is not on.
 std::size_t count_seen_from_behind(const Scene& scene, const Visibility& visibility, const Camera& camera);

@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <numeric>
 
 #include "lambake/core/error.h"
 #include "lambake/core/parallel.h"
@@ -70,16 +70,13 @@ bool is_front(const ScreenVertex& a, const ScreenVertex& b, const ScreenVertex& 
 /// One picture being made.
 class VisibilityPass {
  public:
-  VisibilityPass(const Scene& scene, const Mesh& mesh, const Camera& camera, Visibility& out)
-      : scene_(scene),
-        mesh_(mesh),
-        screen_(camera, out.width, out.height),
-        grid_(out.width, out.height),
-        out_(out) {
+  VisibilityPass(const Scene& scene, const Mesh& mesh, const Camera& camera, std::uint32_t width,
+                 std::uint32_t height)
+      : scene_(scene), mesh_(mesh), screen_(camera, width, height), grid_(width, height) {
     for (const Material& m : scene.materials) has_masks_ |= m.alpha_mode == AlphaMode::mask;
   }
 
-  void run() {
+  std::size_t run(const TileVisitor& visit) {
     memory_ = std::make_unique_for_overwrite<ScreenVertex[]>(mesh_.n_vertices());
     vertices_ = {memory_.get(), mesh_.n_vertices()};
     parallel_blocks(mesh_.n_vertices(), vertex_block, [&](std::size_t begin, std::size_t end) {
@@ -92,14 +89,13 @@ class VisibilityPass {
     });
     std::vector<std::size_t> n_covered(grid_.n_tiles());
     parallel_blocks(grid_.n_tiles(), 1,
-                    [&](std::size_t tile, std::size_t) { n_covered[tile] = draw_tile(tile); });
-    for (const std::size_t n : n_covered) out_.n_covered += n;
+                    [&](std::size_t tile, std::size_t) { n_covered[tile] = draw_tile(tile, visit); });
+    return std::accumulate(n_covered.begin(), n_covered.end(), std::size_t{0});
   }
 
  private:
   Bins bin_triangles(std::size_t begin, std::size_t end) const;
-  std::size_t draw_tile(std::size_t tile_index) const;
-  void clear_pixels(const Tile& tile) const;
+  std::size_t draw_tile(std::size_t tile_index, const TileVisitor& visit) const;
   void draw_with_masks(const ScreenTriangles& screen, std::span<const std::uint32_t> entries,
                        Tile& tile) const;
   bool is_opaque_at(std::uint32_t triangle, std::uint32_t x, std::uint32_t y) const;
@@ -112,7 +108,6 @@ class VisibilityPass {
   const Mesh& mesh_;
   Screen screen_;
   TileGrid grid_;
-  Visibility& out_;
   bool has_masks_ = false;
   std::unique_ptr<ScreenVertex[]> memory_;  ///< V.
   std::span<ScreenVertex> vertices_;        ///< `memory_`.
@@ -172,21 +167,26 @@ Bins VisibilityPass::bin_triangles(std::size_t begin, std::size_t end) const {
 
 /// Draws all that touches a tile, then finds where the pixels' rays hit. Returns the number of covered
 /// pixels.
-std::size_t VisibilityPass::draw_tile(std::size_t tile_index) const {
-  Tile tile;
+std::size_t VisibilityPass::draw_tile(std::size_t tile_index, const TileVisitor& visit) const {
+  static thread_local Tile tile;  // its memory is used again, its contents are not
+  static thread_local std::vector<glm::vec2> barycentrics(Tile::n_pixels);
+  static thread_local std::vector<float> depths(Tile::n_pixels);
   tile.x = static_cast<std::int32_t>(tile_index % grid_.columns) * tile_side;
   tile.y = static_cast<std::int32_t>(tile_index / grid_.columns) * tile_side;
   tile.width = std::min(tile_side, static_cast<int>(grid_.width) - tile.x);
   tile.height = std::min(tile_side, static_cast<int>(grid_.height) - tile.y);
+  VisibleTile seen;
+  seen.x = static_cast<std::uint32_t>(tile.x), seen.y = static_cast<std::uint32_t>(tile.y);
+  seen.width = static_cast<std::uint32_t>(tile.width), seen.height = static_cast<std::uint32_t>(tile.height);
   const bool is_empty = std::all_of(bins_.begin(), bins_.end(), [&](const Bins& bins) {
     return bins.begin[tile_index] == bins.begin[tile_index + 1];
   });
   if (is_empty) {
-    clear_pixels(tile);
+    visit(seen);
     return 0;
   }
-  tile.clear();
 
+  tile.clear();
   for (const Bins& bins : bins_) {
     const ScreenTriangles screen{vertices_, mesh_.triangles, bins.pieces, bins.piece_triangles};
     const auto entries =
@@ -198,39 +198,17 @@ std::size_t VisibilityPass::draw_tile(std::size_t tile_index) const {
       raster_triangles(screen, entries, tile);
     }
   }
-
-  std::size_t n_covered = 0;
-  const std::size_t width = static_cast<std::size_t>(tile.width);
-  std::array<glm::vec2, tile_side> barycentrics;
-  std::array<float, tile_side> depths;
-  for (int j = 0; j < tile.height; ++j) {
-    const std::uint32_t y = static_cast<std::uint32_t>(tile.y + j);
-    const std::size_t pixel = std::size_t{y} * out_.width + static_cast<std::size_t>(tile.x);
-    const std::uint32_t* const row = tile.triangles.data() + static_cast<std::size_t>(j * tile_side);
-    const bool is_whole = width == tile_side;  // otherwise vectors would reach past the row's end
-    hit_row(mesh_, screen_.view, static_cast<std::uint32_t>(tile.x), y, row, tile_side,
-            is_whole ? out_.barycentrics.data() + pixel : barycentrics.data(),
-            is_whole ? out_.depths.data() + pixel : depths.data());
-    std::copy_n(row, width, out_.triangles.data() + pixel);
-    if (!is_whole) {
-      std::copy_n(barycentrics.begin(), width, out_.barycentrics.data() + pixel);
-      std::copy_n(depths.begin(), width, out_.depths.data() + pixel);
-    }
-    n_covered += width - static_cast<std::size_t>(std::count(row, row + width, no_triangle));
+  for (std::uint32_t row = 0; row < seen.height; ++row) {
+    const std::size_t first = std::size_t{row} * tile_side;
+    hit_row(mesh_, screen_.view, seen.x, seen.y + row, &tile.triangles[first], tile_side,
+            &barycentrics[first], &depths[first]);
   }
-  return n_covered;
-}
-
-/// Sets the pixels of a tile that nothing touches.
-void VisibilityPass::clear_pixels(const Tile& tile) const {
-  const std::size_t width = static_cast<std::size_t>(tile.width);
-  for (int j = 0; j < tile.height; ++j) {
-    const std::size_t pixel =
-        static_cast<std::size_t>(tile.y + j) * out_.width + static_cast<std::size_t>(tile.x);
-    std::fill_n(out_.triangles.data() + pixel, width, no_triangle);
-    std::fill_n(out_.barycentrics.data() + pixel, width, glm::vec2(0));
-    std::fill_n(out_.depths.data() + pixel, width, std::numeric_limits<float>::infinity());
-  }
+  seen.triangles = std::span(tile.triangles).first(Tile::n_pixels);
+  seen.barycentrics = barycentrics;
+  seen.depths = depths;
+  visit(seen);
+  return Tile::n_pixels -
+         static_cast<std::size_t>(std::count(seen.triangles.begin(), seen.triangles.end(), no_triangle));
 }
 
 void VisibilityPass::draw_with_masks(const ScreenTriangles& screen, std::span<const std::uint32_t> entries,
@@ -282,10 +260,7 @@ void check_camera(const Camera& camera) {
   }
 }
 
-}  // namespace
-
-void find_visibility(const Scene& scene, const Mesh& mesh, const Camera& camera, std::uint32_t width,
-                     std::uint32_t height, Visibility& out) {
+void check_view(const Mesh& mesh, const Camera& camera, std::uint32_t width, std::uint32_t height) {
   if (width == 0 || height == 0 || width > max_picture_side || height > max_picture_side)
     throw InvalidOption(
         fmt::format("picture: expected 1 to {} pixels a side, found {}x{}", max_picture_side, width, height));
@@ -293,20 +268,35 @@ void find_visibility(const Scene& scene, const Mesh& mesh, const Camera& camera,
     throw InvalidScene(fmt::format("render: expected less than {} triangles and vertices, found {} and {}",
                                    max_count, mesh.n_triangles(), mesh.n_vertices()));
   check_camera(camera);
-  const std::size_t n = std::size_t{width} * height;
-  out.width = width;
-  out.height = height;
-  out.triangles.resize(n);
-  out.barycentrics.resize(n);
-  out.depths.resize(n);
-  out.n_covered = 0;
-  VisibilityPass(scene, mesh, camera, out).run();
+}
+
+}  // namespace
+
+std::size_t visit_visible_tiles(const Scene& scene, const Mesh& mesh, const Camera& camera,
+                                std::uint32_t width, std::uint32_t height, const TileVisitor& visit) {
+  check_view(mesh, camera, width, height);
+  return VisibilityPass(scene, mesh, camera, width, height).run(visit);
 }
 
 Visibility find_visibility(const Scene& scene, const Mesh& mesh, const Camera& camera, std::uint32_t width,
                            std::uint32_t height) {
+  check_view(mesh, camera, width, height);
+  const std::size_t n = std::size_t{width} * height;
   Visibility out;
-  find_visibility(scene, mesh, camera, width, height, out);
+  out.width = width;
+  out.height = height;
+  out.triangles.resize(n, no_triangle);
+  out.barycentrics.resize(n, glm::vec2(0));
+  out.depths.resize(n, std::numeric_limits<float>::infinity());
+  out.n_covered = visit_visible_tiles(scene, mesh, camera, width, height, [&](const VisibleTile& tile) {
+    if (tile.triangles.empty()) return;
+    for (std::uint32_t row = 0; row < tile.height; ++row) {
+      const std::size_t from = std::size_t{row} * tile_side, to = std::size_t{tile.y + row} * width + tile.x;
+      std::copy_n(&tile.triangles[from], tile.width, &out.triangles[to]);
+      std::copy_n(&tile.barycentrics[from], tile.width, &out.barycentrics[to]);
+      std::copy_n(&tile.depths[from], tile.width, &out.depths[to]);
+    }
+  });
   return out;
 }
 

@@ -2,8 +2,10 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <glm/glm.hpp>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include "lambake/scene/camera.h"
@@ -35,8 +37,24 @@ struct Visibility {
 Visibility find_visibility(const Scene& scene, const Mesh& mesh, const Camera& camera, std::uint32_t width,
                            std::uint32_t height);
 
-/// The same into `out`, whose memory is used again: for many frames.
-void find_visibility(const Scene& scene, const Mesh& mesh, const Camera& camera, std::uint32_t width,
-                     std::uint32_t height, Visibility& out);
+/// Pictures are drawn in squares of this many pixels a side.
+inline constexpr int tile_side = 64;
+
+/// Who is seen in a part of a picture. Arrays are rows of tile_side, tile_side² long, whatever the width;
+/// they are empty if nothing is seen.
+struct VisibleTile {
+  std::uint32_t x = 0, y = 0;                ///< Its first pixel.
+  std::uint32_t width = 0, height = 0;       ///< At most tile_side; less at the picture's end.
+  std::span<const std::uint32_t> triangles;  ///< As in Visibility; no_triangle beyond width and height.
+  std::span<const glm::vec2> barycentrics;   ///< Undefined beyond the height.
+  std::span<const float> depths;             ///< The same.
+};
+using TileVisitor = std::function<void(const VisibleTile&)>;
+
+/// The same, handed out tile by tile while it is in cache, for who needs it once: nothing of the size of the
+/// picture is written. `visit` is called once for each tile, from several threads at once, and must not run
+/// parallel loops of its own. Returns the number of pixels with a triangle.
+std::size_t visit_visible_tiles(const Scene& scene, const Mesh& mesh, const Camera& camera,
+                                std::uint32_t width, std::uint32_t height, const TileVisitor& visit);
 
 }  // namespace lambake

@@ -139,16 +139,11 @@ FrameRun measure_frame(const Scene& scene, const BakedColors& baked, const Camer
                        std::uint32_t width, std::uint32_t height, double seconds) {
   FrameRun run;
   run.width = width, run.height = height;
-  run.n_covered = find_visibility(scene, scene.mesh, camera, width, height).n_covered;
-  run.per_vertex = measure_time(
-      [&] {
-        const Visibility visibility = find_visibility(scene, mesh_of(scene, baked), camera, width, height);
-        shade_per_vertex(scene, baked, visibility);
-      },
-      seconds / 2);
+  Picture picture;
+  run.per_vertex =
+      measure_time([&] { render_per_vertex(scene, baked, camera, width, height, picture); }, seconds / 2);
   run.per_fragment = measure_time(
-      [&] { shade_per_fragment(scene, find_visibility(scene, scene.mesh, camera, width, height)); },
-      seconds / 2);
+      [&] { run.n_covered = render_per_fragment(scene, camera, width, height, picture); }, seconds / 2);
   return run;
 }
 

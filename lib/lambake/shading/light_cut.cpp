@@ -119,12 +119,13 @@ void weigh(const LightArrays& lights, const PointBounds& bounds, LightWeights& w
     const V by_nearest_3 = hn::Mul(hn::Mul(by_nearest, by_nearest), by_nearest);
     const V dropped = hn::Mul(hn::Max(zero, facing_high), by_nearest_3);
     // 1/d² · remainder(radius/d) = (order + 1.5) q^order / (d − radius)²; the second term is for points that
-    // the light is behind, the last one the rounding of the field's sums and of its evaluation.
+    // the light is behind, the last one the rounding of the field's sums, of handing it down and of its
+    // evaluation.
     const V ratio = hn::Div(radius, distance);
     V remainder = set(LightField::order + 1.5f);
     for (int l = 0; l < LightField::order; ++l) remainder = hn::Mul(remainder, ratio);
     const V by_nearest_2 = hn::Mul(by_nearest, by_nearest);
-    const V merged = hn::Add(hn::Mul(hn::Add(remainder, set(2e-5f)), by_nearest_2),
+    const V merged = hn::Add(hn::Mul(hn::Add(remainder, set(3e-5f)), by_nearest_2),
                              hn::Mul(hn::Max(zero, hn::Neg(facing_low)), by_nearest_3));
     const V is_far = hn::VecFromMask(d, hn::Gt(distance, hn::Mul(radius, set(2.0f))));
     const auto far = hn::MaskFromVec(is_far);
@@ -139,6 +140,7 @@ void weigh(const LightArrays& lights, const PointBounds& bounds, LightWeights& w
                &weights.own[i]);
     const V least = hn::Div(hn::Mul(hn::Max(zero, facing_low), set(0.999f)),
                             hn::Mul(hn::Mul(farthest, farthest), farthest));
+    hn::StoreU(least, d, &weights.least[i]);
     const std::size_t part = i / lanes % (16 / lanes);
     sum_r.part[part] = hn::Add(sum_r.part[part], hn::Mul(least, load(&lights.r[i])));
     sum_g.part[part] = hn::Add(sum_g.part[part], hn::Mul(least, load(&lights.g[i])));
@@ -217,7 +219,7 @@ void cut(const LightArrays& lights, const LightWeights& weights, const std::arra
   const Shares shares(allowed);
   const bool is_by_own = line.by == CutLine::By::own_light;
   const V level = set(line.level);
-  Sum16 share, error_r, error_g, error_b;
+  Sum16 share, error_r, error_g, error_b, lower_r, lower_g, lower_b;
   for (std::size_t i = 0; i < lights.size; i += lanes) {
     const auto is_inside = hn::FirstN(d, std::min(lanes, lights.size - i));
     const V own_share = shares.error(lights, weights, i);
@@ -230,11 +232,16 @@ void cut(const LightArrays& lights, const LightWeights& weights, const std::arra
     error_r.part[part] = hn::Add(error_r.part[part], hn::Mul(error, load(&lights.r[i])));
     error_g.part[part] = hn::Add(error_g.part[part], hn::Mul(error, load(&lights.g[i])));
     error_b.part[part] = hn::Add(error_b.part[part], hn::Mul(error, load(&lights.b[i])));
-    const auto is_merged = hn::Gt(load(&weights.is_merged[i]), hn::Zero(d));
-    append(lights, i, hn::And(is_settled, is_merged), merged);
+    const auto is_merged = hn::And(is_settled, hn::Gt(load(&weights.is_merged[i]), hn::Zero(d)));
+    const V least = hn::IfThenElseZero(is_merged, load(&weights.least[i]));
+    lower_r.part[part] = hn::Add(lower_r.part[part], hn::Mul(least, load(&lights.r[i])));
+    lower_g.part[part] = hn::Add(lower_g.part[part], hn::Mul(least, load(&lights.g[i])));
+    lower_b.part[part] = hn::Add(lower_b.part[part], hn::Mul(least, load(&lights.b[i])));
+    append(lights, i, is_merged, merged);
     append(lights, i, hn::AndNot(is_settled, is_inside), rest);
   }
   result.share = share.total() * 1.001f;
+  result.lower = {lower_r.total() * 0.999f, lower_g.total() * 0.999f, lower_b.total() * 0.999f};
   result.error = {error_r.total() * 1.001f, error_g.total() * 1.001f, error_b.total() * 1.001f};
 }
 
@@ -264,7 +271,8 @@ void blacken_padding(LightArrays& lights) {
 
 void LightWeights::reserve(std::size_t n) {
   if (error.size() >= n + LightArrays::lane_padding) return;
-  for (std::vector<float>* array : {&error, &own, &is_merged}) array->resize(n + LightArrays::lane_padding);
+  for (std::vector<float>* array : {&error, &own, &is_merged, &least})
+    array->resize(n + LightArrays::lane_padding);
 }
 
 PointBounds bound_points(const PointArrays& points, std::size_t begin, std::size_t end) {

@@ -26,6 +26,7 @@ struct LightWeights {
       error;  ///< |error| of dealing with it at once, per intensity; infinity where that cannot be.
   std::vector<float> own;  ///< 1/d²: the size of its light, per intensity; 0 where it is behind all points.
   std::vector<float> is_merged;  ///< 1: into the field, 0: left out.
+  std::vector<float> least;      ///< It gives at least this to every point, per intensity.
   void reserve(std::size_t n);   ///< Room for N lights.
 };
 
@@ -36,6 +37,7 @@ std::array<float, 3> weigh_lights(const LightArrays& lights, const PointBounds& 
 /// How a range's lights were dealt with.
 struct Cut {
   std::array<float, 3> error{};  ///< By channel: at most so far off, for the lights merged and left out.
+  std::array<float, 3> lower{};  ///< By channel: the merged lights give at least this to every point.
   float share = 0;               ///< Sum over the lights of max over the channels of error / allowed.
 };
 

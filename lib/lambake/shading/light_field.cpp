@@ -15,6 +15,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Floats = hn::CappedTag<float, 16>;
 using V = hn::Vec<Floats>;
 
+constexpr std::size_t lanes = hn::MaxLanes(Floats());
 constexpr int order = LightField::order;
 constexpr int n_coefficients = LightField::n_coefficients;
 
@@ -28,7 +29,7 @@ V set(float v) {
 
 /// Sixteen numbers on every path, so that sums over lanes have the same order on all of them.
 struct Sixteen {
-  static constexpr std::size_t n_parts = 16 / hn::MaxLanes(Floats());
+  static constexpr std::size_t n_parts = 16 / lanes;
   V part[n_parts];
 };
 
@@ -90,12 +91,11 @@ HWY_INLINE void regular_harmonics(V x, V y, V z, V s[n_coefficients]) {
 }
 
 float sum_of_lanes(const Sixteen& s) {
-  HWY_ALIGN float lanes[16];
-  for (std::size_t i = 0; i < Sixteen::n_parts; ++i)
-    hn::Store(s.part[i], Floats(), lanes + i * hn::MaxLanes(Floats()));
+  HWY_ALIGN float values[16];
+  for (std::size_t i = 0; i < Sixteen::n_parts; ++i) hn::Store(s.part[i], Floats(), values + i * lanes);
   for (int half = 8; half > 0; half /= 2)
-    for (int i = 0; i < half; ++i) lanes[i] += lanes[i + half];
-  return lanes[0];
+    for (int i = 0; i < half; ++i) values[i] += values[i + half];
+  return values[0];
 }
 
 using Sums = Sixteen[3][n_coefficients];
@@ -110,7 +110,7 @@ HWY_INLINE void add_groups(const LightField& field, const LightArrays& lights, s
   for (std::size_t p = 0; p < Sixteen::n_parts; ++p) {
     V s[n_groups][n_coefficients], intensity[3][n_groups];
     for (int i = 0; i < n_groups; ++i) {
-      const std::size_t at_light = begin + 16 * static_cast<std::size_t>(i) + p * hn::MaxLanes(Floats());
+      const std::size_t at_light = begin + 16 * static_cast<std::size_t>(i) + p * lanes;
       const auto load = [&](const std::vector<float>& from)
                             HWY_ATTR { return hn::LoadU(Floats(), &from[at_light]); };
       irregular_harmonics(hn::Mul(hn::Sub(load(lights.x), cx), scale),
@@ -137,6 +137,95 @@ void add_lights_to(LightField& field, const LightArrays& lights, std::size_t beg
   for (; i < end; i += 16) add_groups<1>(field, lights, i, sums);
   for (int c = 0; c < 3; ++c)
     for (int k = 1; k < n_coefficients; ++k) field.coefficients[c][k] += sum_of_lanes(sums[c][k]);
+}
+
+/// Complex coefficients for all m in [−l, l], at l·l + l + m: a lane for each of four fields and four
+/// channels, one of them unused.
+template <int n>
+struct ComplexLanes {
+  HWY_ALIGN float re[n][16];
+  HWY_ALIGN float im[n][16];
+
+  /// Some lanes of those of ±m; those of −m are (−1)^m times the conjugates.
+  HWY_INLINE void set(int l, int m, std::size_t lane, V real, V imaginary) {
+    const Floats f;
+    const bool is_odd = m % 2 != 0;
+    const int at_m = l * l + l + m, at_minus_m = l * l + l - m;
+    hn::Store(is_odd ? hn::Neg(real) : real, f, re[at_minus_m] + lane);
+    hn::Store(is_odd ? imaginary : hn::Neg(imaginary), f, im[at_minus_m] + lane);
+    hn::Store(real, f, re[at_m] + lane);
+    hn::Store(imaginary, f, im[at_m] + lane);
+  }
+};
+
+/// With the solid harmonics of above, R_l^m(d + t) = Σ_{j,k} R_j^k(t) R_{l−j}^{m−k}(d), hence the coefficient
+/// (j, k) of what is a sum over conj(L) R becomes Σ_{l,m} L_l^m conj(R_{l−j}^{m−k}(d)).
+void translate_to_four(const LightField& from, std::span<LightField> to) {
+  const float scale = 1.0f / from.radius;
+  HWY_ALIGN float centers[3][16] = {}, harmonics[order * order][16];
+  for (std::size_t i = 0; i < to.size(); ++i)
+    for (int axis = 0; axis < 3; ++axis) centers[axis][i] = (to[i].center[axis] - from.center[axis]) * scale;
+  const Floats f;
+  for (std::size_t lane = 0; lane < 4; lane += lanes) {
+    V s[n_coefficients];
+    regular_harmonics(hn::Load(f, centers[0] + lane), hn::Load(f, centers[1] + lane),
+                      hn::Load(f, centers[2] + lane), s);
+    for (int k = 0; k < order * order; ++k) hn::Store(s[k], f, harmonics[k] + lane);
+  }
+  const auto by_channel = [&](int k, float* row) HWY_ATTR {
+    for (int field = 0; field < 4; ++field)
+      for (std::size_t c = 0; c < 4; ++c)
+        row[4 * static_cast<std::size_t>(field) + c] =
+            static_cast<float>(from.coefficients[std::min<std::size_t>(c, 2)][static_cast<std::size_t>(k)]);
+  };
+  const auto by_field = [&](int k, float* row) HWY_ATTR {
+    for (int lane = 0; lane < 16; ++lane) row[lane] = harmonics[k][lane / 4];
+  };
+  const auto spread = [&](const auto& fill, int highest, auto& all) HWY_ATTR {
+    HWY_ALIGN float re[16], im[16] = {};
+    for (int l = 0; l <= highest; ++l)
+      for (int m = 0; m <= l; ++m) {
+        fill(at(l, m), re);
+        if (m > 0) fill(at(l, m) + 1, im);
+        for (std::size_t lane = 0; lane < 16; lane += lanes) {
+          const V imaginary = m > 0 ? hn::Load(f, im + lane) : hn::Zero(f);
+          all.set(l, m, lane, hn::Load(f, re + lane), imaginary);
+        }
+      }
+  };
+  ComplexLanes<order * order> shift;
+  ComplexLanes<n_coefficients> source;
+  spread(by_field, order - 1, shift);
+  spread(by_channel, order, source);
+  for (int j = 1; j <= order; ++j)
+    for (int k = 0; k <= j; ++k) {
+      HWY_ALIGN float re[16], im[16];
+      for (std::size_t lane = 0; lane < 16; lane += lanes) {
+        V sum_re = hn::Zero(f), sum_im = hn::Zero(f);
+        for (int l = j; l <= order; ++l) {
+          const int n = l - j;
+          for (int m = std::max(-l, k - n); m <= std::min(l, k + n); ++m) {
+            const int a = l * l + l + m, b = n * n + n + m - k;
+            const V a_re = hn::Load(f, source.re[a] + lane), a_im = hn::Load(f, source.im[a] + lane);
+            const V b_re = hn::Load(f, shift.re[b] + lane), b_im = hn::Load(f, shift.im[b] + lane);
+            sum_re = hn::Add(sum_re, hn::Add(hn::Mul(a_re, b_re), hn::Mul(a_im, b_im)));
+            sum_im = hn::Add(sum_im, hn::Sub(hn::Mul(a_im, b_re), hn::Mul(a_re, b_im)));
+          }
+        }
+        hn::Store(sum_re, f, re + lane);
+        hn::Store(sum_im, f, im + lane);
+      }
+      for (std::size_t i = 0; i < to.size(); ++i) {
+        // The harmonics of degree j and the gradient are in units of the new radius.
+        const double ratio = double(to[i].radius) * double(scale);
+        double unit = ratio;
+        for (int power = 0; power < j; ++power) unit *= ratio;
+        for (std::size_t c = 0; c < 3; ++c) {
+          to[i].coefficients[c][at(j, k)] = unit * double(re[4 * i + c]);
+          if (k > 0) to[i].coefficients[c][at(j, k) + 1] = unit * double(im[4 * i + c]);
+        }
+      }
+    }
 }
 
 void add_irradiance_at(const LightField& field, PointArrays& points, std::size_t begin, std::size_t end) {
@@ -201,6 +290,7 @@ namespace lambake {
 namespace {
 HWY_EXPORT(add_lights_to);
 HWY_EXPORT(add_irradiance_at);
+HWY_EXPORT(translate_to_four);
 }  // namespace
 
 void LightArrays::reserve(std::size_t n) {
@@ -217,13 +307,22 @@ void PointArrays::resize(std::size_t n) {
 }
 
 void add_lights(LightField& field, const LightArrays& lights) {
+  field.is_empty = false;
   // Short sums in float, then one addition to the field: the rounding stays below that of 64 additions.
   constexpr std::size_t batch = 1024;
   for (std::size_t begin = 0; begin < lights.size; begin += batch)
     HWY_DYNAMIC_DISPATCH(add_lights_to)(field, lights, begin, std::min(lights.size, begin + batch));
 }
 
+void translate(const LightField& from, std::span<LightField> to) {
+  for (LightField& field : to) field.is_empty = from.is_empty;
+  if (from.is_empty) return;
+  for (std::size_t i = 0; i < to.size(); i += 4)
+    HWY_DYNAMIC_DISPATCH(translate_to_four)(from, to.subspan(i, std::min<std::size_t>(4, to.size() - i)));
+}
+
 void add_irradiance(const LightField& field, PointArrays& points, std::size_t begin, std::size_t end) {
+  if (field.is_empty) return;
   HWY_DYNAMIC_DISPATCH(add_irradiance_at)(field, points, begin, end);
 }
 

@@ -40,7 +40,8 @@ struct LightField {
   glm::vec3 center{0};
   float radius = 1;  ///< Unit of length of the expansion; > 0.
   std::array<std::array<double, n_coefficients>, 3>
-      coefficients{};  ///< By channel, then as in harmonic_index().
+      coefficients{};    ///< By channel, then as in harmonic_index().
+  bool is_empty = true;  ///< No light is in it: the coefficients are 0.
 
   /// l in [0, order], m in [0, l]; the imaginary part (m > 0) follows the real one.
   static constexpr int harmonic_index(int l, int m) { return m == 0 ? l * l : l * l + 2 * m - 1; }
@@ -60,6 +61,11 @@ struct LightField {
 /// Adds all `lights`, none of them inside the ball, to the field; what is in their padding must be finite and
 /// black. The sum has the same bits on every vector path.
 void add_lights(LightField& field, const LightArrays& lights);
+
+/// Replaces the coefficients of each field of `to`, whose ball lies within that of `from`, by the field
+/// `from`: the expansion is a polynomial, so this is exact but for the rounding. The same bits on every
+/// vector path.
+void translate(const LightField& from, std::span<LightField> to);
 
 /// Adds the field's light at points [begin, end); begin is a multiple of 16, end as well or the number of
 /// points.

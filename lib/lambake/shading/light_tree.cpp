@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <utility>
 #include <vector>
 
 #include "lambake/core/bounds.h"
@@ -12,13 +11,12 @@
 #include "lambake/shading/light_cut.h"
 #include "lambake/shading/light_field.h"
 #include "lambake/shading/light_kernel.h"
+#include "lambake/shading/point_ranges.h"
 
 namespace lambake {
 namespace {
 
 constexpr std::size_t plain_block = 1024;
-/// Points dealt with together at first, and at last; each level has a quarter of the points of the one above.
-constexpr std::size_t tile_size = 8192, leaf_size = 128, n_children = 4;
 /// Below so many lights of falloff 1/d² the plain sum is faster (docs/performance.md).
 constexpr std::size_t fewest_lights = 512;
 constexpr std::size_t fewest_points = 1024;
@@ -55,66 +53,6 @@ Frame frame_of(const Bounds& points, std::span<const Light> lights) {
   return frame;
 }
 
-/// The lower 8 bits of v, two zeros between each and the next.
-std::uint32_t spread_bits(std::uint32_t v) {
-  v = (v | (v << 8)) & 0x0000F00Fu;
-  v = (v | (v << 4)) & 0x000C30C3u;
-  return (v | (v << 2)) & 0x00249249u;
-}
-
-constexpr int key_bits = 27;
-constexpr std::uint32_t key_of_unlit = 6u << 24;  ///< Points that no positional light can reach sort last.
-
-/// Points with near keys lie near each other and face the same of six ways: the normal's largest axis, then
-/// the Morton code of the position.
-std::uint32_t key_of(const glm::vec3& position, const glm::vec3& normal, const Bounds& box,
-                     const glm::vec3& cells) {
-  const float length_squared = glm::dot(normal, normal);
-  if (!is_finite(position) || !(std::abs(length_squared - 1.0f) < 1e-3f)) return key_of_unlit;
-  const glm::vec3 a = glm::abs(normal);
-  const int axis = a.x >= a.y && a.x >= a.z ? 0 : a.y >= a.z ? 1 : 2;
-  const glm::vec3 cell = glm::clamp((position - box.min) * cells, 0.0f, 255.0f);
-  const std::uint32_t face = static_cast<std::uint32_t>(2 * axis + (normal[axis] < 0));
-  return face << 24 | spread_bits(static_cast<std::uint32_t>(cell.x)) << 2 |
-         spread_bits(static_cast<std::uint32_t>(cell.y)) << 1 |
-         spread_bits(static_cast<std::uint32_t>(cell.z));
-}
-
-struct Keyed {
-  std::uint32_t key, point;
-};
-
-/// Stable radix sort by key: 9 bits a pass.
-void sort_by_key(std::vector<Keyed>& items) {
-  constexpr int bits = 9;
-  std::array<std::array<std::uint32_t, 1u << bits>, key_bits / bits> counts{};
-  for (const Keyed& item : items)
-    for (std::size_t pass = 0; pass < counts.size(); ++pass)
-      ++counts[pass][item.key >> (bits * pass) & ((1u << bits) - 1)];
-  std::vector<Keyed> other(items.size());
-  for (std::size_t pass = 0; pass < counts.size(); ++pass) {
-    std::uint32_t sum = 0;
-    for (std::uint32_t& count : counts[pass]) sum += std::exchange(count, sum);
-    for (const Keyed& item : items)
-      other[counts[pass][item.key >> (bits * pass) & ((1u << bits) - 1)]++] = item;
-    items.swap(other);
-  }
-}
-
-std::vector<Keyed> sort_points(std::span<const glm::vec3> positions, std::span<const glm::vec3> normals,
-                               const Bounds& box) {
-  std::vector<Keyed> items(positions.size());
-  const glm::vec3 size = box.max - box.min;
-  const float longest = std::max({size.x, size.y, size.z});
-  const glm::vec3 cells(longest > 0 ? 256.0f / longest : 0.0f);
-  parallel_blocks(items.size(), plain_block, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i)
-      items[i] = {key_of(positions[i], normals[i], box, cells), static_cast<std::uint32_t>(i)};
-  });
-  sort_by_key(items);
-  return items;
-}
-
 /// A linear error of this moves no encoded value by more than `tolerance_display` where the light is at least
 /// `lower`: the sRGB curve is concave, with slope 12.92 at black.
 float allowed_error(double tolerance_display, float lower) {
@@ -127,13 +65,17 @@ float allowed_error(double tolerance_display, float lower) {
 
 /// What one thread needs for a tile.
 struct Workspace {
-  PointArrays points;
+  RangeTree tree;
+  PointArrays points;  ///< By slot, as is what follows.
   std::vector<float> normal_lengths;
   std::vector<glm::vec3> positions, normals;  ///< As given, for the plain sums.
   std::vector<LinearRgb> sums;
   LightWeights weights;
   LightArrays merged;
-  std::array<LightArrays, 4> rest;  ///< By level.
+  std::array<LightArrays, RangeTree::n_levels> rest;  ///< By level.
+  std::array<std::vector<PointBounds>, RangeTree::n_levels>
+      bounds;  ///< Of the children of a node of that level.
+  std::array<std::vector<LightField>, RangeTree::n_levels> fields;  ///< The same.
   PackedLights near;
 };
 
@@ -151,15 +93,18 @@ struct Tile {
     std::array<float, 3> lower{};
   };
 
-  void visit(const LightArrays& lights, std::size_t begin, std::size_t end, std::size_t level, Past past);
+  void visit(const LightArrays& lights, std::size_t node, std::size_t level, Past past,
+             const PointBounds& bounds, LightField& field);
   void sum_rest(const LightArrays& lights, std::size_t begin, std::size_t end);
 };
 
-void Tile::visit(const LightArrays& lights, std::size_t begin, std::size_t end, std::size_t level,
-                 Past past) {
+void Tile::visit(const LightArrays& lights, std::size_t node, std::size_t level, Past past,
+                 const PointBounds& bounds, LightField& field) {
+  const std::vector<RangeTree::Node>& nodes = work.tree.nodes;
+  const auto [begin, end, next] = nodes[node];
   LightArrays& rest = work.rest[level];
   rest.reserve(lights.size);
-  const PointBounds bounds = bound_points(work.points, begin, end);
+  const bool is_leaf = work.tree.is_leaf(node);
   const LightArrays* left = &lights;
   if (bounds.is_cone()) {
     work.weights.reserve(lights.size);
@@ -168,33 +113,36 @@ void Tile::visit(const LightArrays& lights, std::size_t begin, std::size_t end, 
     for (std::size_t c = 0; c < 3; ++c)
       allowed[c] = allowed_error(tolerance_display, past.lower[c] + lower[c]);
     work.merged.reserve(lights.size);
-    const bool is_leaf = end - begin <= leaf_size;
-    const CutLine line =
-        line_by_own_light(lights, work.weights, allowed, std::max(0.0f, own_light_budget - past.share));
-    Cut cut = cut_lights(lights, work.weights, allowed, line, work.merged, rest);
+    Cut cut;
+    if (!is_leaf)
+      cut = cut_lights(
+          lights, work.weights, allowed,
+          line_by_own_light(lights, work.weights, allowed, std::max(0.0f, own_light_budget - past.share)),
+          work.merged, rest);
     // Near lights are nearer to some ranges than to others: what stood on the line above may be over it here.
     if (is_leaf || past.share + cut.share > 1.0f)
       cut = cut_lights(lights, work.weights, allowed,
                        line_by_error(lights, work.weights, allowed, 1.0f - past.share), work.merged, rest);
     past.share += cut.share;
-    for (std::size_t c = 0; c < 3; ++c) past.error[c] += cut.error[c];
-    if (work.merged.size > 0) {
-      LightField field;
-      field.center = bounds.center;
-      field.radius = bounds.radius;
-      add_lights(field, work.merged);
-      add_irradiance(field, work.points, begin, end);
-      const std::array<float, 3> merged_lower = weigh_lights(work.merged, bounds, work.weights);
-      for (std::size_t c = 0; c < 3; ++c) past.lower[c] += merged_lower[c];
-    }
+    for (std::size_t c = 0; c < 3; ++c) past.error[c] += cut.error[c], past.lower[c] += cut.lower[c];
+    if (work.merged.size > 0) add_lights(field, work.merged);
     left = &rest;
   }
-  if (end - begin > leaf_size) {
-    const std::size_t step = std::max(leaf_size, (end - begin) / n_children / 16 * 16);
-    for (std::size_t child = begin; child < end; child += step)
-      visit(*left, child, std::min(end, child + step), level + (left == &rest), past);
+  if (!is_leaf) {
+    std::vector<PointBounds>& child_bounds = work.bounds[level];
+    std::vector<LightField>& child_fields = work.fields[level];
+    child_bounds.clear(), child_fields.clear();
+    for (std::size_t child = node + 1; child < next; child = nodes[child].next) {
+      child_bounds.push_back(bound_points(work.points, nodes[child].begin, nodes[child].end));
+      child_fields.push_back({.center = child_bounds.back().center, .radius = child_bounds.back().radius});
+    }
+    translate(field, child_fields);
+    std::size_t i = 0;
+    for (std::size_t child = node + 1; child < next; child = nodes[child].next, ++i)
+      visit(*left, child, level + 1, past, child_bounds[i], child_fields[i]);
     return;
   }
+  add_irradiance(field, work.points, begin, end);
   error.display = std::max(error.display, past.share * tolerance_display);
   for (const double e : past.error) error.linear = std::max(error.linear, e);
   sum_rest(*left, begin, end);
@@ -209,6 +157,28 @@ void Tile::sum_rest(const LightArrays& lights, std::size_t begin, std::size_t en
   const std::size_t n = end - begin;
   irradiance(near, std::span(work.positions).subspan(begin, n), std::span(work.normals).subspan(begin, n),
              std::span(work.sums).subspan(begin, n));
+}
+
+/// The points of the tile's slots, in the space of the tree, without light yet.
+void load_points(const Frame& frame, std::span<const glm::vec3> positions, std::span<const glm::vec3> normals,
+                 Workspace& work) {
+  const std::vector<std::uint32_t>& slots = work.tree.slots;
+  const std::size_t n = slots.size();
+  work.normal_lengths.resize(n);
+  work.positions.resize(n), work.normals.resize(n), work.sums.resize(n);
+  PointArrays& points = work.points;
+  points.resize(n);
+  for (std::size_t i = 0; i < n; ++i)
+    work.positions[i] = positions[slots[i]], work.normals[i] = normals[slots[i]];
+  for (std::size_t i = 0; i < n; ++i) {
+    const glm::vec3 p = frame(work.positions[i]);
+    const float length = glm::length(work.normals[i]);
+    const glm::vec3 normal = work.normals[i] * (1.0f / length);
+    work.normal_lengths[i] = length;
+    points.x[i] = p.x, points.y[i] = p.y, points.z[i] = p.z;
+    points.nx[i] = normal.x, points.ny[i] = normal.y, points.nz[i] = normal.z;
+    points.r[i] = points.g[i] = points.b[i] = 0;
+  }
 }
 
 }  // namespace
@@ -240,39 +210,29 @@ LightError irradiance_within(std::span<const Light> lights, double tolerance_dis
     sources.index[i] = static_cast<std::uint32_t>(i);
   }
   const PackedLights packed = pack_lights(many);
-  const std::vector<Keyed> order = sort_points(positions, normals, box);
-  std::size_t n_lit = order.size();
-  while (n_lit > 0 && order[n_lit - 1].key == key_of_unlit) --n_lit;
-
-  const std::size_t n_tiles = (n_lit + tile_size - 1) / tile_size;
-  std::vector<LightError> errors(n_tiles);
-  parallel_blocks(n_tiles, 1, [&](std::size_t tile, std::size_t) {
+  const std::vector<KeyedPoint> order = sort_points(positions, normals, box);
+  const std::vector<PointRange> tiles = cut_into_tiles(order);
+  std::vector<LightError> errors(tiles.size());
+  parallel_blocks(tiles.size(), 1, [&](std::size_t tile, std::size_t) {
     static thread_local Workspace work;  // its memory is used again, its contents are not
-    const std::size_t first = tile * tile_size, n = std::min(tile_size, n_lit - first);
-    work.points.resize(n);
-    work.normal_lengths.resize(n);
-    work.positions.resize(n), work.normals.resize(n), work.sums.resize(n);
-    PointArrays& points = work.points;
-    for (std::size_t i = 0; i < n + LightArrays::lane_padding; ++i) {
-      const std::uint32_t v = order[first + std::min(i, n - 1)].point;
-      const glm::vec3 p = frame(positions[v]);
-      const float length = glm::length(normals[v]);
-      const glm::vec3 normal = normals[v] / length;
-      points.x[i] = p.x, points.y[i] = p.y, points.z[i] = p.z;
-      points.nx[i] = normal.x, points.ny[i] = normal.y, points.nz[i] = normal.z;
-      points.r[i] = points.g[i] = points.b[i] = 0;
-      if (i < n)
-        work.positions[i] = positions[v], work.normals[i] = normals[v], work.normal_lengths[i] = length;
-    }
+    const RangeTree& tree = work.tree;
+    build_range_tree(order, tiles[tile], static_cast<float>(1 / frame.scale), positions, normals, work.tree);
+    load_points(frame, positions, normals, work);
     Tile t{packed, tolerance_display, work, {}};
-    t.visit(sources, 0, n, 0, {});
+    const PointBounds bounds = bound_points(work.points, 0, tree.nodes[0].end);
+    LightField field{.center = bounds.center, .radius = bounds.radius};
+    t.visit(sources, 0, 0, {}, bounds, field);
     errors[tile] = t.error;
-    for (std::size_t i = 0; i < n; ++i) {
-      const float length = work.normal_lengths[i];
-      // A field that is out by its error may be below what light can be.
-      const LinearRgb field{std::max(0.0f, points.r[i] * length), std::max(0.0f, points.g[i] * length),
-                            std::max(0.0f, points.b[i] * length)};
-      out[order[first + i].point] += field + work.sums[i];
+    const PointArrays& points = work.points;
+    for (std::size_t node = 0; node < tree.nodes.size(); ++node) {
+      if (!tree.is_leaf(node)) continue;
+      for (std::size_t i = tree.nodes[node].begin; i < tree.nodes[node].end; ++i) {
+        const float length = work.normal_lengths[i];
+        // A field that is out by its error may be below what light can be.
+        const LinearRgb merged{std::max(0.0f, points.r[i] * length), std::max(0.0f, points.g[i] * length),
+                               std::max(0.0f, points.b[i] * length)};
+        out[tree.slots[i]] += merged + work.sums[i];
+      }
     }
   });
   LightError worst;
