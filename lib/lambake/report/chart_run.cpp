@@ -13,6 +13,7 @@
 #include "lambake/core/error.h"
 #include "lambake/core/parallel.h"
 #include "lambake/geometry/normals.h"
+#include "lambake/geometry/robust_normals.h"
 #include "lambake/measure/bound.h"
 #include "lambake/measure/select.h"
 #include "lambake/measure/surface_error.h"
@@ -22,15 +23,19 @@
 namespace lambake {
 namespace {
 
+/// Bytes of a colour in COLOR_0 as 16 bit, the default.
+constexpr std::size_t u16_color = 8;
+
 /// A way to bake, and what it is called.
 struct Variant {
   std::string method, name;
   std::function<BakedColors(const Scene&)> bake;
+  std::size_t color_bytes = u16_color;
 };
 
-BakedColors bake_with_normals(const Scene& scene, NormalWeight weight) {
+BakedColors bake_with_normals(const Scene& scene, const std::function<VertexNormals(const Mesh&)>& normals) {
   Scene other = scene;
-  other.mesh.normals = vertex_normals(other.mesh, weight).normals;
+  other.mesh.normals = normals(other.mesh).normals;
   return bake(other, {.method = BakeMethod::sample});
 }
 
@@ -60,22 +65,28 @@ std::vector<Variant> variants(double max_seconds) {
     all.push_back({"uniform", fmt::format("level {}", levels),
                    with({.method = BakeMethod::uniform, .levels = levels})});
   all.push_back({"average", "", with({.method = BakeMethod::average})});
-  for (const auto& [steps, name] : {std::pair{255.0f, "stored as u8"}, {65535.0f, "stored as u16"}})
-    all.push_back(
-        {"sample", name, [steps = steps](const Scene& scene) { return bake_stored(scene, steps); }});
+  const auto stored = [](float steps) {
+    return [steps](const Scene& scene) { return bake_stored(scene, steps); };
+  };
+  all.push_back({"sample", "stored as u8", stored(255), 4});
+  all.push_back({"sample", "stored as u16", stored(65535), u16_color});
+  all.push_back({"sample", "stored as f32", with({.method = BakeMethod::sample}), 12});
+  const auto with_normals = [&](const char* name, const std::function<VertexNormals(const Mesh&)>& normals) {
+    all.push_back({"sample", fmt::format("normals {}", name),
+                   [normals](const Scene& scene) { return bake_with_normals(scene, normals); }});
+  };
   for (const auto& [weight, name] : {std::pair{NormalWeight::angle, "angle"},
                                      {NormalWeight::area, "area"},
                                      {NormalWeight::uniform, "uniform"},
                                      {NormalWeight::max, "max"}})
-    all.push_back({"sample", fmt::format("normals {}", name),
-                   [weight = weight](const Scene& scene) { return bake_with_normals(scene, weight); }});
+    with_normals(name, [weight = weight](const Mesh& mesh) { return vertex_normals(mesh, weight); });
+  with_normals("robust", robust_normals);
   return all;
 }
 
-/// Bytes of the arrays as a glTF file has them: positions and normals of 12, colours of 4 × 16 bit, indices
-/// of 32.
-std::size_t stored_bytes(const Mesh& mesh) {
-  return mesh.n_vertices() * (12 + 12 + 8) + mesh.n_triangles() * 12;
+/// Bytes of the arrays as a glTF file has them: positions and normals of 12, indices of 4 × 3.
+std::size_t stored_bytes(const Mesh& mesh, std::size_t color_bytes) {
+  return mesh.n_vertices() * (12 + 12 + color_bytes) + mesh.n_triangles() * 12;
 }
 
 /// Time left, and what could not be begun for want of it.
@@ -127,7 +138,7 @@ MethodRun measure_method(const Scene& scene, const Variant& variant, double seco
   const Mesh& mesh = mesh_of(scene, baked);
   run.n_vertices = mesh.n_vertices();
   run.n_triangles = mesh.n_triangles();
-  run.bytes = stored_bytes(mesh);
+  run.bytes = stored_bytes(mesh, variant.color_bytes);
   const SurfaceError error = surface_error(scene, baked, ErrorSpace::display);
   run.rmse = error.rmse;
   run.max_sampled = error.max_sampled;
