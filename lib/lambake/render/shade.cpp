@@ -8,6 +8,7 @@
 #include "lambake/core/error.h"
 #include "lambake/core/parallel.h"
 #include "lambake/render/interpolate.h"
+#include "lambake/scene/local_frame.h"
 #include "lambake/shading/light_kernel.h"
 #include "lambake/shading/texture.h"
 
@@ -124,14 +125,15 @@ void shade_per_fragment(const Scene& scene, const Visibility& visibility, Pictur
   if (mesh.normals.size() != mesh.n_vertices())
     throw InvalidScene(
         fmt::format("render: expected {} vertex normals, found {}", mesh.n_vertices(), mesh.normals.size()));
-  const PackedLights lights = pack_lights(scene.lights);
+  const LocalFrame local(scene);
+  const PackedLights lights = pack_lights(local.lights());
   const bool has_unlit = std::any_of(scene.materials.begin(), scene.materials.end(),
                                      [](const Material& material) { return material.is_unlit; });
   const auto find_vertex_parts = [&](ShadingBlock& block) {
     const PlaceBlock& places = block.places;
     const std::size_t n = places.n_places();
     interpolate_normals(mesh.normals, places, block.normals);
-    if (lights.needs_positions) interpolate(mesh.positions, places, block.positions);
+    if (lights.needs_positions) interpolate(local.positions(), places, block.positions);
     irradiance(lights, std::span(block.positions).first(n), std::span(block.normals).first(n),
                std::span(block.vertex_parts).first(n));
     if (mesh.colors.empty() && !has_unlit) return;
