@@ -37,7 +37,8 @@ int bake_and_write(const BakeCommand& command) {
   console.stage("writing");
   nlohmann::ordered_json json;
   const Mesh& mesh = mesh_of(loaded.file.scene, baked);
-  json["input"] = loaded.file.format;
+  json["input"] = std::filesystem::path(command.scene.input).filename().string();
+  json["format"] = loaded.file.format;
   json["method"] = command.method.method;
   json["normals"] = loaded.normals;
   add_method_json(json, result);

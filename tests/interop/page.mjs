@@ -48,13 +48,40 @@ async function open(where, width, colorScheme = "light", javaScriptEnabled = tru
   return { page, said, context };
 }
 
-test("report.json is as docs/report.schema.json says", () => {
-  const schema = JSON.parse(readFileSync(join(root, "docs", "report.schema.json"), "utf8"));
+/// Fails unless `json` is as the schema in docs/ says; and unless the schema notices what is wrong.
+function check(name, json) {
+  const schema = JSON.parse(readFileSync(join(root, "docs", `${name}.schema.json`), "utf8"));
   const validate = new Ajv({ allErrors: true, allowUnionTypes: true, strictTypes: false }).compile(schema);
-  const report = JSON.parse(readFileSync(join(compare, "report.json"), "utf8"));
-  assert.ok(validate(report), JSON.stringify(validate.errors, null, 1));
-  for (const [key, value] of [["vertices", -1], ["vertices", "many"], ["unheard_of", 1]])
-    assert.ok(!validate({ ...report, [key]: value }), `${key} ${value} should not be valid`);
+  assert.ok(validate(json), `${name}: ${JSON.stringify(validate.errors, null, 1)}`);
+  const without = { ...json };
+  delete without.triangles;
+  for (const wrong of [{ ...json, triangles: -1 }, { ...json, triangles: "many" }, { ...json, unheard_of: 1 }, without])
+    assert.ok(!validate(wrong), `${name}: should not be valid`);
+}
+
+test("report.json and chart.json are as the schemas in docs/ say", () => {
+  check("report", JSON.parse(readFileSync(join(compare, "report.json"), "utf8")));
+  check("chart", JSON.parse(readFileSync(join(chart, "chart.json"), "utf8")));
+  // One that leaves time for every part, with a lamp on the surface: what has no bound is null.
+  const whole = JSON.parse(execFileSync(process.env.LAMBAKE_TOOL, ["chart", join(root, "meshes", "uv_sphere.obj"),
+    "--lamp", "0,1,0", "--methods", "face,sample", "--budget-seconds", "20", "-o", join(folder, "whole"), "--json"], { stdio: "pipe" }).toString());
+  assert.ok(whole.methods.length > 0 && whole.pictures.length > 0 && whole.over_lights.length > 0);
+  assert.equal(whole.methods[0].surface_display.max_bound, null);
+  check("chart", whole);
+});
+
+test("what --json prints is as the schemas in docs/ say", () => {
+  const model = (name) => join(root, "meshes", name);
+  const say = (...args) => JSON.parse(execFileSync(process.env.LAMBAKE_TOOL, args, { stdio: "pipe" }).toString());
+  const glb = join(folder, "lit.glb");
+  for (const name of ["gallery.glb", "dirty.ply", "uv_sphere.obj"]) check("info", say("info", model(name), "--json"));
+  check("render", say("render", model("dirty.ply"), "-o", join(folder, "a.png"), "--size", "64x48", "--json"));
+  for (const method of ["sample", "adaptive", "auto"])
+    check("bake", say("bake", model("icosphere_2.off"), "-o", glb, "--method", method, "--max-vertices", "200", "--json"));
+  // A lamp on the surface: what has no bound is null.
+  const lit = say("bake", model("uv_sphere.obj"), "--lamp", "0,1,0", "--method", "auto", "--max-vertices", "2000", "-o", glb, "--json");
+  assert.equal(lit.auto.trials[0].max_bound, null);
+  check("bake", lit);
 });
 
 test("a page of a 1920x1080 comparison is at most 5 MB", () => {
