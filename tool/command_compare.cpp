@@ -12,6 +12,7 @@
 #include "lambake/io/image_file.h"
 #include "lambake/io/output_file.h"
 #include "lambake/io/output_folder.h"
+#include "lambake/io/ply_write.h"
 #include "lambake/measure/bound.h"
 #include "lambake/measure/error_shares.h"
 #include "lambake/measure/image_error.h"
@@ -154,6 +155,17 @@ void write_text(const std::string& path, const std::string& text) {
   file.commit();
 }
 
+/// The mesh that carries the colours, each triangle in the colour of its worst difference.
+void write_surface_error(const std::string& path, const Mesh& mesh, const SurfaceError& error, double scale) {
+  std::vector<float> steps = error.triangle_worst;
+  for (float& step : steps) step *= 255;
+  write_face_ply(
+      path, mesh, heat_colors(error.triangle_worst, scale), steps,
+      fmt::format("quality: largest difference on screen in steps of 1/255, above 0 where per vertex is "
+                  "brighter; the colours end at {:.4g}",
+                  scale * 255));
+}
+
 int compare_and_write(const CompareCommand& command, const std::string& command_line) {
   Console console(command.scene.quiet);
   Stopwatch stopwatch;
@@ -217,8 +229,11 @@ int compare_and_write(const CompareCommand& command, const std::string& command_
   write_picture(folder.file("per_fragment.png"), comparison.per_fragment);
   write_picture(folder.file("per_vertex.exr"), comparison.per_vertex);
   write_picture(folder.file("per_fragment.exr"), comparison.per_fragment);
+  const double scale = heat_map_scale(comparison.per_vertex, comparison.per_fragment, comparison.visibility);
   write_picture(folder.file("difference.png"),
-                heat_map(comparison.per_vertex, comparison.per_fragment, comparison.visibility, 0));
+                heat_map(comparison.per_vertex, comparison.per_fragment, comparison.visibility, scale));
+  write_surface_error(folder.file("surface_error.ply"), mesh_of(scene, baked), comparison.surface_display,
+                      scale);
   const OutputOptions ply_output = {.color = command.output.color == "u16" ? "" : command.output.color};
   for (const auto& [name, options] :
        {std::pair{"lit.glb", command.output}, std::pair{"lit.ply", ply_output}}) {

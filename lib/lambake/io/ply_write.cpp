@@ -128,4 +128,24 @@ WrittenColors write_ply_file(const std::string& path, const Scene& scene, const 
   return written;
 }
 
+void write_face_ply(const std::string& path, const Mesh& mesh, std::span<const Srgb8> colors,
+                    std::span<const float> quality, const std::string& comment) {
+  OutputFile file(path);
+  file.write(
+      fmt::format("ply\nformat binary_little_endian 1.0\ncomment made by lambake {}\ncomment {}\n"
+                  "element vertex {}\nproperty float x\nproperty float y\nproperty float z\n"
+                  "element face {}\nproperty list uchar int vertex_indices\n"
+                  "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty float quality\n"
+                  "end_header\n",
+                  version(), comment, mesh.n_vertices(), mesh.n_triangles()));
+  write_rows(file, mesh.n_vertices(), 12, [&](std::size_t v, char* row) { append(row, mesh.positions[v]); });
+  write_rows(file, mesh.n_triangles(), 13 + 3 + 4, [&](std::size_t t, char* row) {
+    append(row, std::uint8_t{3});
+    append(row, mesh.triangles[t]);
+    append(row, colors[t]);
+    append(row, quality[t]);
+  });
+  file.commit();
+}
+
 }  // namespace lambake
