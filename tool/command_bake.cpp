@@ -58,8 +58,10 @@ int bake_and_write(const BakeCommand& command) {
                                {"findings", findings_json(written.findings)}});
     if (!command.scene.json && !command.scene.quiet) {
       console.clear_bar();
-      fmt::print("{}: {} vertices, {} triangles, {} bytes\n", path, group_digits(mesh.n_vertices()),
-                 group_digits(mesh.n_triangles()), group_digits(std::filesystem::file_size(path)));
+      fmt::print("{}: {} {}, {} {}, {} bytes\n", path, group_digits(mesh.n_vertices()),
+                 in_number(mesh.n_vertices(), "vert[ex|ices]"), group_digits(mesh.n_triangles()),
+                 in_number(mesh.n_triangles(), "triangle[|s]"),
+                 group_digits(std::filesystem::file_size(path)));
     }
   }
   stopwatch.lap("write");

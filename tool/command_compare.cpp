@@ -120,8 +120,9 @@ void compare_views(const CompareCommand& command, const Scene& scene, const Bake
   comparison.n_views = cameras.size();
   comparison.image_linear = combine(linear);
   comparison.image_display = combine(display);
-  add_finding(comparison.findings, "edge_pixels", n_edge_pixels,
-              "pixels are covered by only one of the two meshes (rounding at silhouettes); not compared");
+  add_finding(
+      comparison.findings, "edge_pixels", n_edge_pixels,
+      "pixel[ is|s are] covered by only one of the two meshes (rounding at silhouettes); not compared");
 }
 
 /// Says what was exceeded; the exit code.

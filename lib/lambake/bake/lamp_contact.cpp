@@ -60,11 +60,12 @@ Findings tend_lamp_contacts(std::span<const Light> lights, std::span<const glm::
   for (const Counts& counts : blocks) total.on_lamp += counts.on_lamp, total.overflowed += counts.overflowed;
   Findings findings;
   add_finding(findings, "points_on_a_lamp", total.on_lamp,
-              "vertices (or centres of faces) lie exactly on a lamp: no direction, they get nothing from it");
-  add_finding(
-      findings, "points_too_bright", total.overflowed,
-      "vertices (or centres of faces) get more light than a float holds, as next to a lamp; the lights "
-      "that are too much are left out there");
+              "vert[ex (or centre of a face) lies|ices (or centres of faces) lie] exactly on a lamp: no "
+              "direction, [it gets|they get] nothing from it");
+  add_finding(findings, "points_too_bright", total.overflowed,
+              "vert[ex (or centre of a face) gets|ices (or centres of faces) get] more light than a float "
+              "holds, as next to a lamp; "
+              "the lights that are too much are left out there");
   return findings;
 }
 

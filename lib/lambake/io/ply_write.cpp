@@ -102,7 +102,7 @@ WrittenColors write_ply_file(const std::string& path, const Scene& scene, const 
     written.clipped_vertices += !is_float && std::max({c.r, c.g, c.b}) > 1;
   }
   add_finding(written.findings, "non_finite_baked_colors", n_non_finite,
-              "vertices have a baked colour that is not finite; black instead");
+              "vert[ex has|ices have] a baked colour that is not finite; black instead");
 
   OutputFile file(path);
   file.write(make_header(mesh, is_float));

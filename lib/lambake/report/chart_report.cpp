@@ -142,8 +142,10 @@ std::string chart_section(const Chart& chart, const std::string& text) {
 }
 
 std::string timing_cell(const char* label, const Timing& t) {
-  return fmt::format("<td class=\"n\" data-label=\"{}\">{}<small>{} to {}, {} repeats</small></td>", label,
-                     duration(t.median), duration(t.low), duration(t.high), t.repeats);
+  return fmt::format("<td class=\"n\" data-label=\"{}\">{}<small>{}</small></td>", label, duration(t.median),
+                     t.repeats == 1
+                         ? std::string("run once")
+                         : fmt::format("{} to {}, {} repeats", duration(t.low), duration(t.high), t.repeats));
 }
 
 std::string methods_section(const ChartRun& run) {

@@ -56,21 +56,14 @@ std::vector<Variant> variants(double max_seconds) {
   // What matters most first: the budget may end before the last.
   std::vector<Variant> all = {{"sample", "", with({.method = BakeMethod::sample})},
                               {"face", "", with({.method = BakeMethod::face})}};
-  for (const int steps : {1, 2, 4})
+  const auto add_adaptive = [&](int steps) {
     all.push_back(
         {"adaptive", fmt::format("{}/255", steps),
          with({.method = BakeMethod::adaptive, .tolerance = steps / 255.0, .max_seconds = max_seconds})});
-  all.push_back({"least-squares", "", with({.method = BakeMethod::least_squares})});
-  for (const int levels : {1, 2})
-    all.push_back({"uniform", fmt::format("level {}", levels),
-                   with({.method = BakeMethod::uniform, .levels = levels})});
-  all.push_back({"average", "", with({.method = BakeMethod::average})});
-  const auto stored = [](float steps) {
-    return [steps](const Scene& scene) { return bake_stored(scene, steps); };
   };
-  all.push_back({"sample", "stored as u8", stored(255), 4});
-  all.push_back({"sample", "stored as u16", stored(65535), u16_color});
-  all.push_back({"sample", "stored as f32", with({.method = BakeMethod::sample}), 12});
+  add_adaptive(1);
+  all.push_back({"least-squares", "", with({.method = BakeMethod::least_squares})});
+  all.push_back({"average", "", with({.method = BakeMethod::average})});
   const auto with_normals = [&](const char* name, const std::function<VertexNormals(const Mesh&)>& normals) {
     all.push_back({"sample", fmt::format("normals {}", name),
                    [normals](const Scene& scene) { return bake_with_normals(scene, normals); }});
@@ -81,6 +74,17 @@ std::vector<Variant> variants(double max_seconds) {
                                      {NormalWeight::max, "max"}})
     with_normals(name, [weight = weight](const Mesh& mesh) { return vertex_normals(mesh, weight); });
   with_normals("robust", robust_normals);
+  const auto stored = [](float steps) {
+    return [steps](const Scene& scene) { return bake_stored(scene, steps); };
+  };
+  all.push_back({"sample", "stored as u8", stored(255), 4});
+  all.push_back({"sample", "stored as u16", stored(65535), u16_color});
+  all.push_back({"sample", "stored as f32", with({.method = BakeMethod::sample}), 12});
+  add_adaptive(2);
+  add_adaptive(4);
+  for (const int levels : {1, 2})
+    all.push_back({"uniform", fmt::format("level {}", levels),
+                   with({.method = BakeMethod::uniform, .levels = levels})});
   return all;
 }
 
@@ -142,7 +146,9 @@ MethodRun measure_method(const Scene& scene, const Variant& variant, double seco
   const SurfaceError error = surface_error(scene, baked, ErrorSpace::display);
   run.rmse = error.rmse;
   run.max_sampled = error.max_sampled;
-  run.max_bound = surface_bound(scene, baked, {.space = ErrorSpace::display}).max_bound;
+  // Triangles that cannot be worse than the worst place found need no closer look.
+  run.max_bound =
+      surface_bound(scene, baked, {.space = ErrorSpace::display, .accept = error.max_sampled}).max_bound;
   return run;
 }
 
@@ -213,9 +219,9 @@ ChartRun run_chart(const Scene& scene, const ChartRunOptions& options) {
   run.n_threads = thread_count();
   const Budget budget(options.budget_seconds, options.progress);
   // What the methods leave of their share the pictures may use, and the lights what both leave.
-  constexpr double methods_until = 0.6, frames_until = 0.8;
+  constexpr double methods_until = 0.5, auto_until = 0.6, frames_until = 0.8;
   // For the repeats of each thing measured; errors, computed once, come on top.
-  const double slice = options.budget_seconds / 40;
+  const double slice = options.budget_seconds / 80;
 
   for (const Variant& variant : variants(options.budget_seconds / 8)) {
     const bool is_asked = options.methods.empty() || std::find(options.methods.begin(), options.methods.end(),
@@ -226,7 +232,7 @@ ChartRun run_chart(const Scene& scene, const ChartRunOptions& options) {
       run.methods.push_back(measure_method(scene, variant, slice));
   }
 
-  if (options.methods.empty() && budget.allows("auto", methods_until, run.left_out)) {
+  if (options.methods.empty() && budget.allows("auto", auto_until, run.left_out)) {
     const Selection selection =
         select_method(scene, {.tolerance = 1.0 / 255, .max_seconds = options.budget_seconds / 8});
     run.verdict = selection.sentence;

@@ -55,7 +55,7 @@ struct ChartRun {
 
 struct ChartRunOptions {
   std::vector<std::string> methods{};  ///< Names of methods to run; empty: all of chart_methods().
-  double budget_seconds = 60;          ///< Nothing new is begun after it; methods take at most 0.6 of it.
+  double budget_seconds = 60;          ///< Nothing new is begun after it; methods take at most half of it.
   Camera camera{};                     ///< For the frames.
   Progress progress{};
 };

@@ -25,7 +25,6 @@ constexpr std::array<std::array<double, 3>, 9> diverging = {{{8, 48, 107},
                                                              {214, 96, 77},
                                                              {178, 24, 43},
                                                              {103, 0, 13}}};
-constexpr Srgb8 uncovered{58, 60, 66};
 constexpr Srgb8 nonfinite{255, 0, 255};
 
 double on_screen(float linear) {
