@@ -23,6 +23,11 @@ ChartPoint point_of(const Timing& time, double y, std::string label) {
   return {time.median, y, time.low, time.high, std::move(label)};
 }
 
+/// What stands beside a point: the mark tells `sample` from the rest, what it was varied by is the news.
+std::string label_of(const MethodRun& m) {
+  return m.method == "sample" && !m.variant.empty() ? m.variant : m.label();
+}
+
 /// Whether this is what `auto` took.
 bool is_chosen(const ChartRun& run, const MethodRun& m) {
   return m.method == run.chosen_method && (m.variant.empty() || m.variant == "1/255");
@@ -253,7 +258,7 @@ Chart speed_chart(const ChartRun& run) {
               {},
               true};
   chart.series = series_by_method(run, [](const MethodRun& m) {
-    return std::optional(point_of(m.all_threads, m.rmse * 255, m.label()));
+    return std::optional(point_of(m.all_threads, m.rmse * 255, label_of(m)));
   });
   add_frames(chart, run);
   return chart;
@@ -269,7 +274,7 @@ Chart bound_chart(const ChartRun& run) {
               true};
   chart.series = series_by_method(run, [](const MethodRun& m) -> std::optional<ChartPoint> {
     if (!std::isfinite(m.max_bound)) return std::nullopt;
-    return point_of(m.all_threads, m.max_bound * 255, m.label());
+    return point_of(m.all_threads, m.max_bound * 255, label_of(m));
   });
   add_frames(chart, run);
   return chart;

@@ -287,7 +287,7 @@ std::string numbers_section(const Comparison& c) {
   return fmt::format(
       "<section aria-labelledby=\"numbers\">\n<h2 id=\"numbers\">The numbers</h2>\n<p class=\"soft\">The "
       "picture shows "
-      "what one camera sees ({}); the surface is measured by area, seen from nowhere and hidden places "
+      "what one camera sees ({}); the surface is measured by area, from no camera and with hidden places "
       "included. 0 is black, 1 is white.</p>\n<div class=\"columns\">\n{}{}</div>\n</section>\n",
       c.n_views == 1 ? std::string("one view") : fmt::format("{} views taken together", c.n_views),
       numbers_table("On screen: sRGB-encoded, clamped to 0…1; what the eye gets", c.image_display,
