@@ -14,6 +14,8 @@ TEST(Interpolation, LampOverABigFace_AnyDecayAndSize_MissesTheMiddleByItsClosedF
       const Scene scene = scene_of(grid(1, static_cast<float>(ratio)), {lamp({0, 1, 0}, 1, k)});
       SCOPED_TRACE(testing::Message() << "k " << k << ", a/h " << ratio);
       expect_max(measure(scene), 1 - std::pow(1 + 2 * ratio * ratio, -(k + 1) / 2));
+      for (const BakeMethod method : every_method) measure(scene, method);
+      EXPECT_TRUE(is_certified(measure(scene, BakeMethod::adaptive)));
     }
 }
 
