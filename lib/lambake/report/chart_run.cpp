@@ -157,15 +157,18 @@ FrameRun measure_frame(const Scene& scene, const BakedColors& baked, const Camer
   FrameRun run;
   run.width = width, run.height = height;
   run.n_covered = find_visibility(scene, scene.mesh, camera, width, height).n_covered;
-  run.per_vertex = measure_time(
-      [&] {
-        const Visibility visibility = find_visibility(scene, mesh_of(scene, baked), camera, width, height);
-        shade_per_vertex(scene, baked, visibility);
-      },
-      seconds / 2);
-  run.per_fragment = measure_time(
-      [&] { shade_per_fragment(scene, find_visibility(scene, scene.mesh, camera, width, height)); },
-      seconds / 2);
+  const auto per_vertex = [&] {
+    const Visibility visibility = find_visibility(scene, mesh_of(scene, baked), camera, width, height);
+    shade_per_vertex(scene, baked, visibility);
+  };
+  const auto per_fragment = [&] {
+    shade_per_fragment(scene, find_visibility(scene, scene.mesh, camera, width, height));
+  };
+  run.per_vertex = measure_time(per_vertex, seconds / 4);
+  run.per_fragment = measure_time(per_fragment, seconds / 4);
+  const ThreadLimit one(1);
+  run.per_vertex_one_thread = measure_time(per_vertex, seconds / 4);
+  run.per_fragment_one_thread = measure_time(per_fragment, seconds / 4);
   return run;
 }
 

@@ -32,6 +32,7 @@ struct FrameRun {
   std::size_t n_covered = 0;  ///< Pixels that are lit.
   Timing per_vertex;          ///< Finding what is seen and interpolating baked colours.
   Timing per_fragment;        ///< Finding what is seen and lighting each pixel.
+  Timing per_vertex_one_thread, per_fragment_one_thread;
 };
 
 /// The cost of more lights: lamps around the model.
