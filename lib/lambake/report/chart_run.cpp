@@ -224,7 +224,7 @@ ChartRun run_chart(const Scene& scene, const ChartRunOptions& options) {
   // What the methods leave of their share the pictures may use, and the lights what both leave.
   constexpr double methods_until = 0.5, auto_until = 0.6, frames_until = 0.8;
   // For the repeats of each thing measured; errors, computed once, come on top.
-  const double slice = options.budget_seconds / 80;
+  const double slice = options.budget_seconds / 80, frame_slice = options.budget_seconds / 20;
 
   for (const Variant& variant : variants(options.budget_seconds / 8)) {
     const bool is_asked = options.methods.empty() || std::find(options.methods.begin(), options.methods.end(),
@@ -247,7 +247,7 @@ ChartRun run_chart(const Scene& scene, const ChartRunOptions& options) {
        {std::pair<std::uint32_t, std::uint32_t>{640, 360}, {1280, 720}, {1920, 1080}, {3840, 2160}}) {
     const std::string name = fmt::format("picture of {}x{}", width, height);
     if (budget.allows(name, frames_until, run.left_out))
-      run.frames.push_back(measure_frame(scene, baked, options.camera, width, height, slice));
+      run.frames.push_back(measure_frame(scene, baked, options.camera, width, height, frame_slice));
   }
 
   Scene lit = scene;
