@@ -13,7 +13,7 @@ namespace lambake {
 /// are moved near the origin; what float holds of the positions stays exact. Nothing is moved, or copied,
 /// where all lights are directional (no position is read) or the mesh is within 64 radii of the origin.
 ///
-/// O(V) if a light is positional. The scene must outlive it.
+/// O(V) where it moves them, else a few vertices are read. The scene must outlive it.
 class LocalFrame {
  public:
   explicit LocalFrame(const Scene& scene);
