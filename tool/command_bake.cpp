@@ -37,7 +37,8 @@ int bake_and_write(const BakeCommand& command) {
   console.stage("writing");
   nlohmann::ordered_json json;
   const Mesh& mesh = mesh_of(loaded.file.scene, baked);
-  json["input"] = loaded.file.format;
+  json["input"] = std::filesystem::path(command.scene.input).filename().string();
+  json["format"] = loaded.file.format;
   json["method"] = command.method.method;
   json["normals"] = loaded.normals;
   add_method_json(json, result);
@@ -57,8 +58,10 @@ int bake_and_write(const BakeCommand& command) {
                                {"findings", findings_json(written.findings)}});
     if (!command.scene.json && !command.scene.quiet) {
       console.clear_bar();
-      fmt::print("{}: {} vertices, {} triangles, {} bytes\n", path, group_digits(mesh.n_vertices()),
-                 group_digits(mesh.n_triangles()), group_digits(std::filesystem::file_size(path)));
+      fmt::print("{}: {} {}, {} {}, {} bytes\n", path, group_digits(mesh.n_vertices()),
+                 in_number(mesh.n_vertices(), "vert[ex|ices]"), group_digits(mesh.n_triangles()),
+                 in_number(mesh.n_triangles(), "triangle[|s]"),
+                 group_digits(std::filesystem::file_size(path)));
     }
   }
   stopwatch.lap("write");

@@ -12,6 +12,7 @@
 #include "lambake/io/image_file.h"
 #include "lambake/io/output_file.h"
 #include "lambake/io/output_folder.h"
+#include "lambake/io/ply_write.h"
 #include "lambake/measure/bound.h"
 #include "lambake/measure/error_shares.h"
 #include "lambake/measure/image_error.h"
@@ -119,8 +120,9 @@ void compare_views(const CompareCommand& command, const Scene& scene, const Bake
   comparison.n_views = cameras.size();
   comparison.image_linear = combine(linear);
   comparison.image_display = combine(display);
-  add_finding(comparison.findings, "edge_pixels", n_edge_pixels,
-              "pixels are covered by only one of the two meshes (rounding at silhouettes); not compared");
+  add_finding(
+      comparison.findings, "edge_pixels", n_edge_pixels,
+      "pixel[ is|s are] covered by only one of the two meshes (rounding at silhouettes); not compared");
 }
 
 /// Says what was exceeded; the exit code.
@@ -152,6 +154,17 @@ void write_text(const std::string& path, const std::string& text) {
   OutputFile file(path);
   file.write(text);
   file.commit();
+}
+
+/// The mesh that carries the colours, each triangle in the colour of its worst difference.
+void write_surface_error(const std::string& path, const Mesh& mesh, const SurfaceError& error, double scale) {
+  std::vector<float> steps = error.triangle_worst;
+  for (float& step : steps) step *= 255;
+  write_face_ply(
+      path, mesh, heat_colors(error.triangle_worst, scale), steps,
+      fmt::format("quality: largest difference on screen in steps of 1/255, above 0 where per vertex is "
+                  "brighter; the colours end at {:.4g}",
+                  scale * 255));
 }
 
 int compare_and_write(const CompareCommand& command, const std::string& command_line) {
@@ -217,8 +230,11 @@ int compare_and_write(const CompareCommand& command, const std::string& command_
   write_picture(folder.file("per_fragment.png"), comparison.per_fragment);
   write_picture(folder.file("per_vertex.exr"), comparison.per_vertex);
   write_picture(folder.file("per_fragment.exr"), comparison.per_fragment);
+  const double scale = heat_map_scale(comparison.per_vertex, comparison.per_fragment, comparison.visibility);
   write_picture(folder.file("difference.png"),
-                heat_map(comparison.per_vertex, comparison.per_fragment, comparison.visibility, 0));
+                heat_map(comparison.per_vertex, comparison.per_fragment, comparison.visibility, scale));
+  write_surface_error(folder.file("surface_error.ply"), mesh_of(scene, baked), comparison.surface_display,
+                      scale);
   const OutputOptions ply_output = {.color = command.output.color == "u16" ? "" : command.output.color};
   for (const auto& [name, options] :
        {std::pair{"lit.glb", command.output}, std::pair{"lit.ply", ply_output}}) {

@@ -50,7 +50,8 @@ int render_and_write(const RenderCommand& command) {
   stopwatch.lap("write");
   if (command.scene.json) {
     nlohmann::ordered_json json;
-    json["input"] = loaded.file.format;
+    json["input"] = std::filesystem::path(command.scene.input).filename().string();
+    json["format"] = loaded.file.format;
     json["shading"] = command.shading;
     json["width"] = size.x;
     json["height"] = size.y;

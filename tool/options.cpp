@@ -152,7 +152,7 @@ void make_normals(const SceneOptions& options, LoadedScene& loaded) {
     const std::size_t n_added = split_creases(mesh, degrees * rad_per_deg);
     loaded.normals += fmt::format(", creases at {} degrees", degrees);
     add_finding(findings, "crease_vertices", n_added,
-                fmt::format("vertices added where faces meet at more than {} degrees", degrees));
+                fmt::format("vert[ex|ices] added where faces meet at more than {} degrees", degrees));
   }
   const NormalWeight weight = method == "angle"     ? NormalWeight::angle
                               : method == "area"    ? NormalWeight::area
@@ -161,7 +161,8 @@ void make_normals(const SceneOptions& options, LoadedScene& loaded) {
   VertexNormals made = method == "robust" ? robust_normals(mesh) : vertex_normals(mesh, weight);
   mesh.normals = std::move(made.normals);
   add_finding(findings, "vertices_without_direction", made.undefined,
-              "vertices have no normal (their faces have no area or cancel); they get no light");
+              "vert[ex has|ices have] no normal ([its|their] faces have no area or cancel); [it gets|they "
+              "get] no light");
 }
 
 }  // namespace

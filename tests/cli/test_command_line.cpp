@@ -149,7 +149,7 @@ TEST(CommandLine, Compare_Folder_HoldsAllThatIsPromised) {
   std::sort(files.begin(), files.end());
   EXPECT_EQ(files, (std::vector<std::string>{"difference.png", "in.off", "index.html", "lit.glb", "lit.ply",
                                              "per_fragment.exr", "per_fragment.png", "per_vertex.exr",
-                                             "per_vertex.png", "report.json"}));
+                                             "per_vertex.png", "report.json", "surface_error.ply"}));
   const auto report = nlohmann::json::parse(read_bytes(folder / "out/report.json"));
   for (const char* space : {"linear", "display"}) {
     for (const char* key : {"rmse", "mae", "max", "psnr_db", "p99", "pixels", "pixels_over_1_255"})

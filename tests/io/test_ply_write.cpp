@@ -3,7 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstring>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 
 #include "lambake/core/error.h"
 
@@ -95,6 +98,30 @@ TEST_F(PlyWrite, FolderThatIsNotThere_ThrowsAndLeavesNothing) {
   EXPECT_THROW(write_ply_file(testing::TempDir() + "lambake_no_folder/x.ply", scene, baked, {}), IoError);
   EXPECT_THROW(write_ply_file(path, scene, baked, {.color = ColorStorage::u16}), InvalidOption);
   EXPECT_FALSE(std::filesystem::exists(path));
+}
+
+TEST_F(PlyWrite, ColoursAndNumbersOfFaces_AreRead_AsOthersWriteThem) {
+  const std::vector<Srgb8> colors = {{255, 0, 7}, {1, 2, 3}};
+  const std::vector<float> quality = {-0.5f, 1e20f};
+  write_face_ply(path, scene.mesh, colors, quality, "quality: of the faces");
+  const Mesh mesh = read_scene_file(path).scene.mesh;
+  EXPECT_EQ(mesh.n_triangles(), 2u);
+  ASSERT_FALSE(mesh.colors.empty());
+  for (std::size_t f = 0; f < 2; ++f)
+    for (int c = 0; c < 3; ++c) {
+      EXPECT_EQ(to_srgb8(mesh.colors[mesh.triangles[f][c]]), colors[f]);
+      EXPECT_EQ(mesh.positions[mesh.triangles[f][c]], scene.mesh.positions[scene.mesh.triangles[f][c]]);
+    }
+  std::ifstream stream(path, std::ios::binary);
+  const std::string bytes(std::istreambuf_iterator<char>(stream), {});
+  EXPECT_NE(bytes.find("comment quality: of the faces\n"), std::string::npos);
+  EXPECT_NE(bytes.find("property float quality\nend_header\n"), std::string::npos);
+  // A face is a count, three indices, three bytes of colour and the number.
+  float last = 0, first = 0;
+  std::memcpy(&last, bytes.data() + bytes.size() - 4, 4);
+  std::memcpy(&first, bytes.data() + bytes.size() - 20 - 4, 4);
+  EXPECT_EQ(first, quality[0]);
+  EXPECT_EQ(last, quality[1]);
 }
 
 }  // namespace

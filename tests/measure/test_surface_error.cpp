@@ -108,6 +108,18 @@ TEST(SurfaceError, QuadUnderALamp_MissesTheMiddleByTheClosedForm) {
   }
 }
 
+TEST(SurfaceError, WorstOfATriangle_IsSigned_BelowZeroWhereLightIsMissing) {
+  const Scene lamp_over_quad = scene_of(grid(1, 1), {lamp({0, 1, 0})});
+  const Scene terminator = scene_of(icosphere(2), {sun({0, 1, 0})});
+  const SurfaceError missing = surface_error(lamp_over_quad, bake(lamp_over_quad, {}), ErrorSpace::linear);
+  const SurfaceError bleeding = surface_error(terminator, bake(terminator, {}), ErrorSpace::linear);
+  for (const float worst : missing.triangle_worst) EXPECT_LT(worst, -0.5f);
+  EXPECT_GT(bleeding.triangle_worst[bleeding.worst[0].triangle], 0);
+  for (const SurfaceError* e : {&missing, &bleeding})
+    for (std::size_t f = 0; f < e->triangle_worst.size(); ++f)
+      EXPECT_EQ(std::abs(e->triangle_worst[f]), e->triangle_max[f]);
+}
+
 TEST(SurfaceError, WorstPlaces_NameTheirTriangleAndLight) {
   const Scene scene = scene_of(icosphere(2), {sun({0, 1, 0}, {0.01f, 0.01f, 0.01f}), sun({1, 0, 0})});
   const SurfaceError error = surface_error(scene, bake(scene, {}), ErrorSpace::display);

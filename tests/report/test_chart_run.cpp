@@ -39,7 +39,7 @@ ChartRun small_run() {
                  {"sample", "", seconds(2e-3), seconds(1e-3), 4, 2, 152, 0.02, 0.1, 0.11},
                  {"sample", "normals, \"max\"", seconds(3e-3), seconds(2e-3), 4, 2, 152, 0.03, 0.1,
                   std::numeric_limits<double>::infinity()}};
-  run.frames = {{640, 360, 1000, seconds(0.01), seconds(0.012)}};
+  run.frames = {{640, 360, 1000, seconds(0.01), seconds(0.012), seconds(0.02), seconds(0.025)}};
   run.lights = {{10, seconds(1e-3), seconds(1e-2)}, {1000, seconds(1e-1), seconds(1e-2)}};
   run.left_out = {"adaptive, 1/255"};
   return run;
@@ -81,6 +81,8 @@ TEST(RunChart, MethodsAskedFor_AreMeasured_WithTheirErrors) {
   EXPECT_GT(sample_bound, 1.0 / 255);
   ASSERT_EQ(run.frames.size(), 4U);
   EXPECT_LT(run.frames[0].n_covered, run.frames[3].n_covered);
+  for (const FrameRun& f : run.frames)
+    EXPECT_TRUE(f.per_vertex_one_thread.median > 0 && f.per_fragment_one_thread.median > 0);
   ASSERT_FALSE(run.lights.empty());
   EXPECT_EQ(run.lights.front().n_lights, 1U);
 }
@@ -104,6 +106,8 @@ TEST(ChartReport, Json_HoldsTheRun_UnboundedIsNull) {
   EXPECT_EQ(json["methods"][1]["surface_display"]["max_bound"], 0.11);
   EXPECT_TRUE(json["methods"][2]["surface_display"]["max_bound"].is_null());
   EXPECT_EQ(json["pictures"][0]["lit_pixels"], 1000);
+  EXPECT_EQ(json["pictures"][0]["per_fragment"]["all_threads"]["median"], 0.012);
+  EXPECT_EQ(json["pictures"][0]["per_fragment"]["one_thread"]["median"], 0.025);
   EXPECT_EQ(json["left_out"][0], "adaptive, 1/255");
 }
 
@@ -116,6 +120,7 @@ TEST(ChartReport, Csv_QuotesWhatNeedsIt) {
   EXPECT_TRUE(all[2].starts_with("sample,,4,2,152,0.002,0.001,")) << all[2];
   EXPECT_TRUE(all[3].starts_with("sample,\"normals, \"\"max\"\"\",4,")) << all[3];
   EXPECT_TRUE(all[3].ends_with(",inf\r")) << all[3];
+  EXPECT_TRUE(all[5].starts_with("picture per pixel,640x360,,,,0.025,0.012,")) << all[5];
 }
 
 TEST(ChartReport, LightsThatCross_AreMarkedWhereTheyCostTheSame) {

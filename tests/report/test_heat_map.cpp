@@ -65,6 +65,22 @@ TEST(HeatMap, AboveWhite_IsNoDifferenceOnScreen) {
   EXPECT_EQ(to_srgb8(row.map(8.0 / 255).pixels[0]), (Srgb8{247, 247, 247}));
 }
 
+TEST(HeatMap, ColoursOfTriangles_AreThoseOfThePixels) {
+  const std::vector<double> steps = {-60, -6, 0, 3, 8};
+  const Picture map = Row(steps).map(8.0 / 255);
+  std::vector<float> differences;
+  for (const double step : steps) differences.push_back(static_cast<float>(step / 255));
+  differences.push_back(NAN);
+  const std::vector<Srgb8> colors = heat_colors(differences, 8.0 / 255);
+  ASSERT_EQ(colors.size(), steps.size() + 1);
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    const Srgb8 pixel = to_srgb8(map.pixels[i]);
+    EXPECT_NEAR(colors[i].r, pixel.r, 1);  // The pixels' differences went through linear float.
+    EXPECT_NEAR(colors[i].b, pixel.b, 1);
+  }
+  EXPECT_EQ(colors.back(), (Srgb8{255, 0, 255}));
+}
+
 TEST(HeatMap, UncoveredAndNotFinite_DifferFromEveryColourOfTheBar) {
   Row row({0, 0, -8, 8});
   row.visibility.triangles[0] = no_triangle;

@@ -58,17 +58,29 @@ struct Measured {
   SurfaceBound bound;  ///< Linear.
 };
 
+/// Whether `adaptive` has promised that no place is more than 1/255 off on screen.
+inline bool is_certified(const Measured& m) {
+  return m.baked.certificate && m.baked.certificate->is_certified;
+}
+
 /// Bakes and measures, and expects what holds of every scene and method: each colour finite, each error
-/// finite, and the bound not below what sampling finds.
-inline Measured measure(const Scene& scene, BakeMethod method = BakeMethod::sample) {
+/// finite, the bound not below what sampling finds, and that what is certified holds.
+/// @param max_vertices  for `adaptive`.
+inline Measured measure(const Scene& scene, BakeMethod method = BakeMethod::sample,
+                        std::size_t max_vertices = 5000) {
+  SCOPED_TRACE(testing::Message() << "method " << static_cast<int>(method));
   Measured m;
-  m.baked = bake(scene, {.method = method, .max_vertices = 5000});
+  m.baked = bake(scene, {.method = method, .max_vertices = max_vertices});
   for (const LinearRgb& c : m.baked.colors) EXPECT_TRUE(is_finite(c));
   m.error = surface_error(scene, m.baked, ErrorSpace::linear);
   EXPECT_TRUE(std::isfinite(m.error.rmse) && std::isfinite(m.error.max_sampled));
   m.bound = surface_bound(scene, m.baked, {.space = ErrorSpace::linear});
   EXPECT_FALSE(std::isnan(m.bound.max_bound));
   EXPECT_GE(m.bound.max_bound, m.error.max_sampled * (1 - 1e-6));
+  if (is_certified(m)) {
+    EXPECT_LE(surface_error(scene, m.baked, ErrorSpace::display).max_sampled, 1.0 / 255 + 1e-9);
+    EXPECT_LE(m.baked.certificate->max_bound, 1.0 / 255);
+  }
   return m;
 }
 

@@ -7,6 +7,7 @@
 #include "lambake/core/error.h"
 #include "lambake/core/parallel.h"
 #include "lambake/geometry/normals.h"
+#include "lambake/scene/local_frame.h"
 
 namespace lambake {
 namespace {
@@ -76,16 +77,18 @@ BakedColors bake_face(const Scene& scene, double light_tolerance) {
   }
 
   const std::vector<glm::vec3> normals = face_normals(in);
+  const LocalFrame local(scene);
+  const std::vector<glm::vec3>& positions = local.positions();
   std::vector<glm::vec3> centroids(n);
   parallel_blocks(n, block_size, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) {
       const glm::uvec3& t = in.triangles[f];
-      centroids[f] = (in.positions[t[0]] + in.positions[t[1]] + in.positions[t[2]]) / 3.0f;
+      centroids[f] = (positions[t[0]] + positions[t[1]] + positions[t[2]]) / 3.0f;
     }
   });
   std::vector<LinearRgb> received(n);
-  baked.light_error = irradiance_within(scene.lights, light_tolerance, centroids, normals, received);
-  baked.findings = tend_lamp_contacts(scene.lights, centroids, normals, {}, received);
+  baked.light_error = irradiance_within(local.lights(), light_tolerance, centroids, normals, received);
+  baked.findings = tend_lamp_contacts(local.lights(), centroids, normals, {}, received);
   baked.colors.resize(3 * n);
   parallel_blocks(n, block_size, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) {

@@ -33,9 +33,13 @@ Findings tend_lamp_contacts(std::span<const Light> lights, std::span<const glm::
                             std::span<const glm::vec3> normals, std::span<const LinearRgb> base,
                             std::span<LinearRgb> colors) {
   std::vector<glm::vec3> lamps;
+  LinearRgb most_of_suns;
   for (const Light& light : lights)
-    if (light.type != LightType::directional) lamps.push_back(light.position);
-  if (lamps.empty()) return {};
+    if (light.type == LightType::directional)
+      most_of_suns += light.intensity;
+    else
+      lamps.push_back(light.position);
+  if (lamps.empty() && is_finite(most_of_suns)) return {};
   std::sort(lamps.begin(), lamps.end(), is_before);
 
   struct Counts {
@@ -56,10 +60,12 @@ Findings tend_lamp_contacts(std::span<const Light> lights, std::span<const glm::
   for (const Counts& counts : blocks) total.on_lamp += counts.on_lamp, total.overflowed += counts.overflowed;
   Findings findings;
   add_finding(findings, "points_on_a_lamp", total.on_lamp,
-              "vertices (or centres of faces) lie exactly on a lamp: no direction, they get nothing from it");
-  add_finding(findings, "points_next_to_a_lamp", total.overflowed,
-              "vertices (or centres of faces) are so close to a lamp that no float holds its light; they get "
-              "nothing from it");
+              "vert[ex (or centre of a face) lies|ices (or centres of faces) lie] exactly on a lamp: no "
+              "direction, [it gets|they get] nothing from it");
+  add_finding(findings, "points_too_bright", total.overflowed,
+              "vert[ex (or centre of a face) gets|ices (or centres of faces) get] more light than a float "
+              "holds, as next to a lamp; "
+              "the lights that are too much are left out there");
   return findings;
 }
 

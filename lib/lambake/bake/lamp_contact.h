@@ -12,7 +12,7 @@ namespace lambake {
 
 /// Points on or next to a lamp, where light has no direction or no float holds it. Counts those exactly at
 /// the position of a lamp or spot (they get nothing from it), and replaces colours that overflowed by those
-/// of the lights that did not. O(V log L); nothing is read if all lights are directional.
+/// of the lights that did not. O(V log L); nothing is read if all lights are suns that no sum can overflow.
 /// @param positions  V vertices, or whatever points were lit.
 /// @param normals    V unit vectors or (0,0,0).
 /// @param colors     V: vertex base colour ⊗ E; non-finite where E overflowed.

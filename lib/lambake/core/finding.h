@@ -16,9 +16,10 @@ struct Finding {
 
 using Findings = std::vector<Finding>;
 
-/// Appends the finding if there is anything to tell.
-inline void add_finding(Findings& findings, std::string code, std::size_t count, std::string text) {
-  if (count > 0) findings.push_back({std::move(code), count, std::move(text)});
-}
+/// `text` with each "[one|many]" as `n` of them need it: "vert[ex is|ices are] in no face".
+std::string in_number(std::size_t n, std::string text);
+
+/// Appends the finding if there is anything to tell. @param text  in the form of in_number().
+void add_finding(Findings& findings, std::string code, std::size_t count, std::string text);
 
 }  // namespace lambake

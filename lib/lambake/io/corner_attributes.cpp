@@ -71,7 +71,7 @@ void KeptFaces::finish(const std::string& path) {
                                     "{} vertices",
                                     n_dropped_, file_.n_vertices));
   add_finding(file_.findings, "faces_below_three_corners", n_dropped_,
-              "faces have fewer than three corners; left out");
+              "face[ has|s have] fewer than three corners; left out");
 }
 
 }  // namespace lambake

@@ -37,11 +37,11 @@ void decode_file_colors(std::vector<LinearRgb>& colors, Findings& findings) {
         std::min({scaled.r, scaled.g, scaled.b}) < 0 || std::max({scaled.r, scaled.g, scaled.b}) > 1;
     n_outside += is_last_outside;
   }
-  add_finding(findings, "non_finite_colors", n_non_finite, "colours are not finite; white instead");
-  add_finding(findings, "colors_out_of_range", n_outside, "colours lie outside of [0,1]; clamped");
+  add_finding(findings, "non_finite_colors", n_non_finite, "colour[ is|s are] not finite; white instead");
+  add_finding(findings, "colors_out_of_range", n_outside, "colour[ lies|s lie] outside of [0,1]; clamped");
   if (counts_to_255)
     add_finding(findings, "colors_to_255", colors.size(),
-                "colours are given as floats above 2; taken to count to 255");
+                "colour[ is|s are] given as floats above 2; taken to count to 255");
 }
 
 std::uint32_t ValueNumbers::number_of(float a, float b, float c) {

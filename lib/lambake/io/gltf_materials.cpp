@@ -44,7 +44,7 @@ class MaterialReader {
     Material& fallback = scene_.materials.emplace_back();
     fallback.is_double_sided = false;
     add_finding(findings_, "textures_left_out", n_left_out_,
-                "textures use a third set of texture coordinates or have no image; left out");
+                "texture[ uses|s use] a third set of texture coordinates or ha[s|ve] no image; left out");
   }
 
  private:

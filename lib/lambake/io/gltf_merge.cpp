@@ -52,7 +52,8 @@ void embed_images(const GltfAsset& asset, GltfDocument& document, Findings& find
     image["bufferView"] = append_view(document, bytes, 0, 0);
   }
   add_finding(findings, "images_not_embedded", n_missing,
-              "images are missing or neither PNG nor JPEG; the written file names them where the input did");
+              "image[ is|s are] missing or neither PNG nor JPEG; the written file names [it|them] where the "
+              "input did");
 }
 
 }  // namespace

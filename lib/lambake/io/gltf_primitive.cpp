@@ -84,11 +84,18 @@ class Skinning {
   std::vector<std::vector<float>> joints_, weights_;
 };
 
+/// Whether the matrix mirrors. What rounding alone can leave of the determinant of a singular one (a sheet
+/// that is flattened along its normal, say) does not count: it would turn the surface over by chance.
+bool is_mirroring(const glm::dmat3& m) {
+  const double size = glm::length(m[0]) * glm::length(m[1]) * glm::length(m[2]);
+  return glm::dot(m[0], glm::cross(m[1], m[2])) < -1e-14 * size;
+}
+
 /// The inverse transpose, but for a positive factor: the cofactors, with the sign of the determinant. It is
 /// there for singular matrices too.
 glm::dmat3 normal_matrix(const glm::dmat3& m) {
   const glm::dmat3 cofactors(glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1]));
-  return glm::dot(m[0], cofactors[0]) < 0 ? -cofactors : cofactors;
+  return is_mirroring(m) ? -cofactors : cofactors;
 }
 
 glm::vec3 unit_or_zero(const glm::dvec3& v) {
@@ -178,7 +185,7 @@ WorldVertices read_vertices(const GltfAsset& asset, std::size_t node_index,
     if (skinning) matrix = skinning->matrix(i), of_normals = normal_matrix(glm::dmat3(matrix));
     vertices.positions[i] = glm::vec3(matrix * glm::dvec4(vec3_at(positions, i), 1));
     if (!normals.empty()) vertices.normals[i] = unit_or_zero(of_normals * vec3_at(normals, i));
-    if (glm::determinant(glm::dmat3(matrix)) < 0) ++n_mirrored;
+    if (is_mirroring(glm::dmat3(matrix))) ++n_mirrored;
   }
   vertices.is_mirrored = 2 * n_mirrored > n;
   return vertices;

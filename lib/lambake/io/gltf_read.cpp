@@ -219,21 +219,23 @@ class SceneReader {
 
   void tell() {
     add_finding(findings_, "points_and_lines", n_points_and_lines_,
-                "primitives are points or lines; kept as they are, not lit");
+                "primitive[ is|s are] points or lines; kept as [it is|they are], not lit");
     add_finding(findings_, "primitives_without_positions", n_without_positions_,
-                "placed primitives have no positions; kept as they are, not lit");
-    add_finding(findings_, "flat_primitives", n_flat_, "placed primitives have no normals; shaded flat");
-    add_finding(findings_, "skinned_nodes", n_skinned_, "nodes are skinned; baked in the pose of the file");
+                "placed primitive[ has|s have] no positions; kept as [it is|they are], not lit");
+    add_finding(findings_, "flat_primitives", n_flat_,
+                "placed primitive[ has|s have] no normals; shaded flat");
+    add_finding(findings_, "skinned_nodes", n_skinned_,
+                "node[ is|s are] skinned; baked in the pose of the file");
     add_finding(findings_, "morphed_nodes", n_morphed_,
-                "nodes have morph targets; baked with the weights of the file");
+                "node[ has|s have] morph targets; baked with the weights of the file");
     add_finding(findings_, "light_units", scene_.lights.size(),
-                "lights of the file are in lux or candela; divided by pi (docs/gltf.md)");
+                "light[|s] of the file [is|are] in lux or candela; divided by pi (docs/gltf.md)");
     std::size_t n_outside = 0;
     const std::set<std::size_t> inside(nodes_.begin(), nodes_.end());
     for (std::size_t n = 0; n < model().nodes.size(); ++n)
       if (model().nodes[n].mesh >= 0 && !inside.contains(n)) ++n_outside;
     add_finding(findings_, "nodes_outside_scene", n_outside,
-                "nodes with a mesh are not in the scene; kept as they are, not lit");
+                "node[|s] with a mesh [is|are] not in the scene; kept as [it is|they are], not lit");
     for (const std::string& name : model().extensionsUsed)
       if (!is_known_extension(name))
         add_finding(findings_, "extension_ignored", 1,

@@ -174,17 +174,18 @@ class AssetWriter {
     Findings& findings = written_.findings;
     tell_storage(findings, written_.clipped_vertices, negative_);
     add_finding(findings, "vertex_colors_multiplied", n_multiplied_,
-                "primitives had vertex colours; the product of colour and light is written");
+                "primitive[|s] had vertex colours; the product of colour and light is written");
     add_finding(findings, "rewritten_primitives", n_rewritten_,
-                "primitives have other vertices than in the file, as their corners or cuts need them; their "
+                "primitive[ has|s have] other vertices than in the file, as [its|their] corners or cuts need "
+                "them; [its|their] "
                 "attributes are written anew");
-    add_finding(
-        findings, "materials_with_other_extensions", n_with_other_extensions_,
-        "materials have extensions of their own beside KHR_materials_unlit, which a viewer may prefer");
-    add_finding(
-        findings, "emission_not_written", emission_lost_,
-        "vertices emit light that cannot be put into vertex colours (a texture, or a base colour of 0); an "
-        "unlit material does not show it");
+    add_finding(findings, "materials_with_other_extensions", n_with_other_extensions_,
+                "material[ has|s have] extensions of [its|their] own beside KHR_materials_unlit, which a "
+                "viewer may prefer");
+    add_finding(findings, "emission_not_written", emission_lost_,
+                "vert[ex emits|ices emit] light that cannot be put into vertex colours (a texture, or a base "
+                "colour of 0); an "
+                "unlit material does not show it");
   }
 
   const GltfAsset& asset_;

@@ -77,7 +77,7 @@ class NewAsset {
     }
     tell_storage(written_.findings, written_.clipped_vertices, negative_);
     add_finding(written_.findings, "normals_replaced", normals_replaced_,
-                "vertices have no normal, which glTF forbids; +z is written there");
+                "vert[ex has|ices have] no normal, which glTF forbids; +z is written there");
     return std::move(written_);
   }
 
@@ -110,10 +110,11 @@ class NewAsset {
     for (std::size_t v = 0; v < mesh_.n_vertices(); ++v)
       if (is_sound[v] && !is_written[v]) ++n_left_out;
     add_finding(written_.findings, "faces_left_out", n_dropped,
-                "faces have a vertex that is not finite, which glTF forbids; left out of the file");
+                "face[ has|s have] a vertex that is not finite, which glTF forbids; left out of the file");
     if (n_materials > 1)
-      add_finding(written_.findings, "vertices_left_out", n_left_out,
-                  "vertices belong to no written face and so to no material; left out of the file");
+      add_finding(
+          written_.findings, "vertices_left_out", n_left_out,
+          "vert[ex belongs|ices belong] to no written face and so to no material; left out of the file");
     return parts;
   }
 
@@ -176,10 +177,12 @@ class NewAsset {
     const Material& material = scene_.materials[part.material];
     const bool folds_emission = can_fold_emission(material);
     if (has_emission(material) && !folds_emission)
-      add_finding(written_.findings, "emission_not_written", n_vertices,
-                  fmt::format("vertices of material \"{}\" emit light that cannot be put into vertex colours "
-                              "beside a texture; left out",
-                              material.name));
+      add_finding(
+          written_.findings, "emission_not_written", n_vertices,
+          fmt::format(
+              "vert[ex|ices] of material \"{}\" emit[s|] light that cannot be put into vertex colours "
+              "beside a texture; left out",
+              material.name));
     std::span<const LinearRgb> colors = kept_.of_part(colors_, part);
     if (material.base_color != LinearRgb{1, 1, 1} || has_emission(material)) {
       std::vector<LinearRgb> folded(colors.begin(), colors.end());

@@ -106,24 +106,25 @@ void normalize_normals(std::vector<glm::vec3>& normals, Findings& findings) {
     }
   }
   add_finding(findings, "normals_without_direction", n_undirected,
-              "normals in the file have no direction; unlit");
+              "normal[|s] in the file ha[s|ve] no direction; unlit");
 }
 
 void add_defects(const Mesh& mesh, Findings& findings) {
   const Defects d = find_defects(mesh, false);
   add_finding(findings, "non_finite_vertices", d.non_finite_vertices,
-              "vertices have a coordinate that is not finite; kept, their faces are neither lit nor seen");
-  add_finding(findings, "isolated_vertices", d.isolated_vertices, "vertices are in no face; kept");
+              "vert[ex has|ices have] a coordinate that is not finite; kept, [its|their] faces are neither "
+              "lit nor seen");
+  add_finding(findings, "isolated_vertices", d.isolated_vertices, "vert[ex is|ices are] in no face; kept");
   add_finding(findings, "repeated_vertex_faces", d.repeated_vertex_faces,
-              "triangles name a vertex twice; kept, they add nothing to a normal");
+              "triangle[ names|s name] a vertex twice; kept, [it adds|they add] nothing to a normal");
   add_finding(findings, "zero_area_faces", d.zero_area_faces,
-              "triangles have no area; kept, they add nothing to a normal");
+              "triangle[ has|s have] no area; kept, [it adds|they add] nothing to a normal");
   add_finding(findings, "duplicate_faces", d.duplicate_faces,
-              "triangles have the vertices of an earlier one; kept");
+              "triangle[ has|s have] the vertices of an earlier one; kept");
   add_finding(findings, "non_manifold_edges", d.non_manifold_edges,
-              "edges have more than two triangles; kept");
+              "edge[ has|s have] more than two triangles; kept");
   add_finding(findings, "conflicting_edges", d.conflicting_edges,
-              "edges are run through twice in one direction: the winding is not consistent; kept");
+              "edge[ is|s are] run through twice in one direction: the winding is not consistent; kept");
 }
 
 }  // namespace
@@ -151,7 +152,7 @@ SceneFile read_mesh_file(const std::string& path) {
     arrays.n_faces += file.loose_facets.size();
     file.n_vertices = mesh.n_vertices();
     add_finding(result.findings, "welded_vertices", 3 * file.n_faces - file.n_vertices,
-                "corners were welded to another at exactly the same position");
+                "corner[ was|s were] welded to another at exactly the same position");
   }
   const std::size_t n_expected = file.n_vertices + file.copied_vertices.size();
   const std::size_t n_kept = file.face_indices.empty() ? file.n_faces : file.face_indices.size();
@@ -191,12 +192,12 @@ SceneFile read_mesh_file(const std::string& path) {
   if (result.scene.materials.empty()) result.scene.materials.emplace_back();
   result.scene.textures = std::move(file.textures);
   result.scene.images = std::move(file.images);
-  add_finding(
-      result.findings, "split_vertices", mesh.n_vertices() - result.n_vertices,
-      "copies of vertices were made where corners differ in normal, texture coordinate, colour or material");
-  add_finding(
-      result.findings, "odd_polygons", arrays.n_odd_polygons,
-      "polygons cross themselves, have no area or are not finite; some of their triangles may overlap");
+  add_finding(result.findings, "split_vertices", mesh.n_vertices() - result.n_vertices,
+              "cop[y of a vertex was|ies of vertices were] made where corners differ in normal, texture "
+              "coordinate, colour or material");
+  add_finding(result.findings, "odd_polygons", arrays.n_odd_polygons,
+              "polygon[ crosses itself, has no area or is|s cross themselves, have no area or are] not "
+              "finite; some of [its|their] triangles may overlap");
   add_defects(mesh, result.findings);
   check_mesh(mesh, result.scene.materials.size());
   return result;

@@ -72,9 +72,9 @@ void ObjMaterials::read_library(const std::string& name) {
       n_transparent += is_number(ahead.token()) && cursor.number("a number") < 1;
     }
   }
-  add_finding(file_.findings, "texture_options", n_options, "options of map_Kd are not used");
+  add_finding(file_.findings, "texture_options", n_options, "option[|s] of map_Kd [is|are] not used");
   add_finding(file_.findings, "transparent_materials", n_transparent,
-              "materials are transparent; drawn opaque");
+              "material[ is|s are] transparent; drawn opaque");
 }
 
 std::uint32_t ObjMaterials::use(const std::string& name) {

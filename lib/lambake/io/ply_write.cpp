@@ -102,7 +102,7 @@ WrittenColors write_ply_file(const std::string& path, const Scene& scene, const 
     written.clipped_vertices += !is_float && std::max({c.r, c.g, c.b}) > 1;
   }
   add_finding(written.findings, "non_finite_baked_colors", n_non_finite,
-              "vertices have a baked colour that is not finite; black instead");
+              "vert[ex has|ices have] a baked colour that is not finite; black instead");
 
   OutputFile file(path);
   file.write(make_header(mesh, is_float));
@@ -126,6 +126,26 @@ WrittenColors write_ply_file(const std::string& path, const Scene& scene, const 
   });
   file.commit();
   return written;
+}
+
+void write_face_ply(const std::string& path, const Mesh& mesh, std::span<const Srgb8> colors,
+                    std::span<const float> quality, const std::string& comment) {
+  OutputFile file(path);
+  file.write(
+      fmt::format("ply\nformat binary_little_endian 1.0\ncomment made by lambake {}\ncomment {}\n"
+                  "element vertex {}\nproperty float x\nproperty float y\nproperty float z\n"
+                  "element face {}\nproperty list uchar int vertex_indices\n"
+                  "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty float quality\n"
+                  "end_header\n",
+                  version(), comment, mesh.n_vertices(), mesh.n_triangles()));
+  write_rows(file, mesh.n_vertices(), 12, [&](std::size_t v, char* row) { append(row, mesh.positions[v]); });
+  write_rows(file, mesh.n_triangles(), 13 + 3 + 4, [&](std::size_t t, char* row) {
+    append(row, std::uint8_t{3});
+    append(row, mesh.triangles[t]);
+    append(row, colors[t]);
+    append(row, quality[t]);
+  });
+  file.commit();
 }
 
 }  // namespace lambake

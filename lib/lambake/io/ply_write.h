@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <string>
 
 #include "lambake/bake/bake.h"
@@ -17,5 +18,11 @@ struct PlyWriteOptions {
 /// and colour = base colour ⊗ baked light + emission (textures are sampled at the vertex). @throws IoError.
 WrittenColors write_ply_file(const std::string& path, const Scene& scene, const BakedColors& baked,
                              const PlyWriteOptions& options);
+
+/// Writes a binary little-endian PLY, whole or not at all: the mesh's positions, and for each triangle its
+/// colour (uchar red green blue, sRGB-encoded) and a number (float quality, as MeshLab calls it).
+/// @param comment  one line for the header that says what the number is. @throws IoError.
+void write_face_ply(const std::string& path, const Mesh& mesh, std::span<const Srgb8> colors,
+                    std::span<const float> quality, const std::string& comment);
 
 }  // namespace lambake

@@ -172,9 +172,9 @@ class ObjScan {
       }
     }
     add_finding(file_.findings, "unknown_lines", n_unknown,
-                "lines have a keyword that is not read; left out");
+                "line[ has|s have] a keyword that is not read; left out");
     add_finding(file_.findings, "lines_and_points", n_lines_and_points_,
-                "lines and points are no surface; left out");
+                "line[ or point is|s or points are] no surface; left out");
   }
 
   /// Index of a corner, from 0. `which`: 0 v, 1 vt, 2 vn.
@@ -287,19 +287,19 @@ class ObjScan {
     file_.has_texcoords = n_without_texcoord_ < n_corners_;
     if (!file_.has_normals && n_without_normal_ < n_corners_)
       add_finding(file_.findings, "corners_without_normal", n_without_normal_,
-                  "corners have no normal, so the file's normals are not used");
+                  "corner[ has|s have] no normal, so the file's normals are not used");
     if (file_.has_texcoords)
       add_finding(file_.findings, "corners_without_texcoord", n_without_texcoord_,
-                  "corners have no texture coordinate; (0,1) instead");
+                  "corner[ has|s have] no texture coordinate; (0,1) instead");
     add_finding(file_.findings, "non_finite_attributes", n_odd_attributes_,
-                "normals or texture coordinates are not finite; zero instead");
+                "normal[ or texture coordinate is|s or texture coordinates are] not finite; zero instead");
     if (file_.colors.empty() && !vc_colors_.empty()) {
       file_.colors = std::move(vc_colors_);
       n_uncolored_ = n_vertices_ - std::min(n_vertices_, file_.colors.size());
       file_.colors.resize(n_vertices_, {1, 1, 1});
     }
     add_finding(file_.findings, "vertices_without_color", n_uncolored_,
-                "vertices have no colour; white instead");
+                "vert[ex has|ices have] no colour; white instead");
     decode_file_colors(file_.colors, file_.findings);
     extend_to_copies(file_);
   }

@@ -65,9 +65,9 @@ class OffColors {
     for (const std::size_t i : missing_) colors_[i] = {1, 1, 1};
     decode_file_colors(colors_, findings);
     add_finding(findings, "color_map_indices", n_map_indices_,
-                "colours are numbers in a colour map; white instead");
+                "colour[ is a number|s are numbers] in a colour map; white instead");
     add_finding(findings, "missing_colors", n_missing_ - n_map_indices_,
-                fmt::format("{} have no colour though others have; white instead", what));
+                fmt::format("{} ha[s|ve] no colour though others have; white instead", what));
     return std::move(colors_);
   }
 
@@ -187,12 +187,12 @@ class OffScan {
   void finish() {
     Findings& findings = file_.findings;
     add_finding(findings, "unread_colors", n_textured_colors_,
-                "vertices have a colour before a texture coordinate; not read");
+                "vert[ex has|ices have] a colour before a texture coordinate; not read");
     // Colours of the vertices are finer than those of the faces: where a file has both, they win.
     const bool has_face_colors = vertex_colors_.empty() && !face_colors_.empty();
     std::vector<LinearRgb> of_faces;
-    if (!vertex_colors_.empty()) file_.colors = vertex_colors_.decode("vertices", findings);
-    if (has_face_colors) of_faces = face_colors_.decode("faces", findings);
+    if (!vertex_colors_.empty()) file_.colors = vertex_colors_.decode("vert[ex|ices]", findings);
+    if (has_face_colors) of_faces = face_colors_.decode("face[|s]", findings);
     CornerAttributes attributes(file_, false, has_face_colors);
     KeptFaces kept(file_);
     std::string faces;

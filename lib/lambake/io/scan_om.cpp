@@ -300,7 +300,7 @@ class OmScan {
     }
     kept.finish(path_);
     attributes.finish();
-    add_finding(file_.findings, "custom_properties", n_custom_, "custom properties are not read");
+    add_finding(file_.findings, "custom_properties", n_custom_, "custom propert[y is|ies are] not read");
     write(kept.n_kept(), faces);
   }
 

@@ -326,7 +326,7 @@ class PlyScan {
       append_face(corners);
     }
     add_finding(file_.findings, "odd_texcoords", n_odd_texcoords,
-                "faces have no texture coordinate for each corner; (0,0) instead");
+                "face[ has|s have] no texture coordinate for each corner; (0,0) instead");
   }
 
   std::uint32_t material_of_texture(std::int64_t number) const {

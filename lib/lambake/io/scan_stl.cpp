@@ -68,9 +68,9 @@ void scan_binary(const std::string& path, std::string_view text, CanonicalFile& 
     sink.add(corners);
   }
   sink.finish();
-  add_finding(file.findings, "attribute_words", n_words, "facets have an attribute word; not read");
+  add_finding(file.findings, "attribute_words", n_words, "facet[ has|s have] an attribute word; not read");
   add_finding(file.findings, "trailing_bytes", text.size() - binary_header_size - n * facet_size,
-              "bytes follow the last facet; not read");
+              "byte[ follows|s follow] the last facet; not read");
 }
 
 bool is_keyword(std::string_view token, std::string_view keyword) {

@@ -21,7 +21,7 @@ struct SurfaceBound {
 };
 
 /// Bounds the error of every triangle that has an area. Colours are taken as `baked` has them: store them as
-/// the output does (measure/stored_colors.h) to have its quantisation and clipping included. Linear in
+/// the output does to have its quantisation and clipping included. Linear in
 /// triangles × lights; deterministic for any number of threads.
 SurfaceBound surface_bound(const Scene& scene, const BakedColors& baked, const BoundOptions& options);
 

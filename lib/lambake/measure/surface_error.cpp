@@ -17,23 +17,27 @@ constexpr std::size_t block_size = 256;
 /// Mean values over (a part of) a triangle, over its three channels, and the largest that was met.
 struct Sums {
   double square = 0, absolute = 0, plain = 0;
-  double max = -1;
+  double max = -1;   ///< |worst|; below 0 where nothing was seen.
+  double worst = 0;  ///< Signed, of the worst channel.
   glm::dvec3 max_at{1, 0, 0};
 
   void see(double error, const glm::dvec3& b) {
-    if (error > max) max = error, max_at = b;
+    if (std::abs(error) > max) max = std::abs(error), worst = error, max_at = b;
+  }
+  void see(const glm::dvec3& e, const glm::dvec3& b) {
+    for (int c = 0; c < 3; ++c) see(e[c], b);
   }
   void add(const glm::dvec3& e, double weight, const glm::dvec3& b) {
     square += weight * glm::dot(e, e) / 3;
     absolute += weight * (std::abs(e[0]) + std::abs(e[1]) + std::abs(e[2])) / 3;
     plain += weight * (e[0] + e[1] + e[2]) / 3;
-    see(std::max({std::abs(e[0]), std::abs(e[1]), std::abs(e[2])}), b);
+    see(e, b);
   }
   void add(const Sums& other, double weight) {
     square += weight * other.square;
     absolute += weight * other.absolute;
     plain += weight * other.plain;
-    see(other.max, other.max_at);
+    if (other.max >= 0) see(other.worst, other.max_at);
   }
 };
 
@@ -123,7 +127,7 @@ Estimate estimate(const TriangleError& error, const glm::dmat3& part) {
   for (const QuadratureNode& node : quadrature_4) {
     const glm::dvec3 b = part * node.b, e = error(b);
     square_4 += node.weight * glm::dot(e, e) / 3;
-    result.sums.see(std::max({std::abs(e[0]), std::abs(e[1]), std::abs(e[2])}), b);
+    result.sums.see(e, b);
   }
   for (const QuadratureNode& node : quadrature_5) {
     const glm::dvec3 b = part * node.b;
@@ -176,8 +180,7 @@ void climb(const TriangleError& error, Sums& sums) {
         glm::dvec3 b(0, center[1] + size * i / n, center[2] + size * j / n);
         b[0] = 1 - b[1] - b[2];
         if (b[0] < 0 || b[1] < 0 || b[2] < 0) continue;
-        const glm::dvec3 e = error(b);
-        sums.see(std::max({std::abs(e[0]), std::abs(e[1]), std::abs(e[2])}), b);
+        sums.see(error(b), b);
       }
     center = sums.max_at;
   }
@@ -241,6 +244,7 @@ SurfaceError surface_error(const Scene& scene, const BakedColors& baked, ErrorSp
   SurfaceError result;
   result.triangle_rmse.resize(n);
   result.triangle_max.resize(n);
+  result.triangle_worst.resize(n);
   double square = 0, absolute = 0, plain = 0;
   for (std::size_t f = 0; f < n; ++f) {
     result.area += areas[f];
@@ -249,6 +253,7 @@ SurfaceError surface_error(const Scene& scene, const BakedColors& baked, ErrorSp
     plain += areas[f] * sums[f].plain;
     result.triangle_rmse[f] = static_cast<float>(std::sqrt(sums[f].square));
     result.triangle_max[f] = static_cast<float>(std::max(0.0, sums[f].max));
+    result.triangle_worst[f] = static_cast<float>(sums[f].worst);
     result.max_sampled = std::max(result.max_sampled, sums[f].max);
   }
   if (result.area > 0) {

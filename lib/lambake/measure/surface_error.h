@@ -30,7 +30,8 @@ struct SurfaceError {
   double max_sampled = 0;  ///< Largest |G − F| met while integrating: never above the truth's maximum.
   double area = 0;         ///< Area integrated over, in squared world units.
   std::vector<float> triangle_rmse, triangle_max;  ///< F' each.
-  std::vector<SurfacePlace> worst;                 ///< At most 8, in different triangles, largest first.
+  std::vector<float> triangle_worst;  ///< F': G − F, signed, of the channel where |G − F| is triangle_max.
+  std::vector<SurfacePlace> worst;    ///< At most 8, in different triangles, largest first.
 };
 
 /// @param baked  of `scene`. @param space linear, or display (sRGB-encoded, clamped to [0,1]).

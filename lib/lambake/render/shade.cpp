@@ -10,6 +10,7 @@
 #include "lambake/core/error.h"
 #include "lambake/core/parallel.h"
 #include "lambake/render/interpolate.h"
+#include "lambake/scene/local_frame.h"
 #include "lambake/shading/light_kernel.h"
 #include "lambake/shading/texture.h"
 
@@ -178,7 +179,8 @@ void check_normals(const Mesh& mesh) {
 /// The vertex parts of light that is evaluated at each pixel.
 class FragmentLight {
  public:
-  explicit FragmentLight(const Scene& scene) : scene_(scene), lights_(pack_lights(scene.lights)) {
+  explicit FragmentLight(const Scene& scene)
+      : scene_(scene), local_(scene), lights_(pack_lights(local_.lights())) {
     check_normals(scene.mesh);
     has_unlit_ = std::any_of(scene.materials.begin(), scene.materials.end(),
                              [](const Material& material) { return material.is_unlit; });
@@ -189,7 +191,7 @@ class FragmentLight {
     const PlaceBlock& places = block.places;
     const std::size_t n = places.n_places();
     if (lights_.needs_positions) {
-      interpolate_points(mesh.positions, mesh.normals, places, block.positions, block.normals);
+      interpolate_points(local_.positions(), mesh.normals, places, block.positions, block.normals);
     } else {
       interpolate_normals(mesh.normals, places, block.normals);
     }
@@ -206,6 +208,7 @@ class FragmentLight {
 
  private:
   const Scene& scene_;
+  const LocalFrame local_;
   PackedLights lights_;
   bool has_unlit_ = false;
 };

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <tuple>
 
 #include "lambake/report/page_frame.h"
 #include "lambake/report/text.h"
@@ -21,6 +22,11 @@ Json timing_json(const Timing& t) {
 
 ChartPoint point_of(const Timing& time, double y, std::string label) {
   return {time.median, y, time.low, time.high, std::move(label)};
+}
+
+/// What stands beside a point: the mark tells `sample` from the rest, what it was varied by is the news.
+std::string label_of(const MethodRun& m) {
+  return m.method == "sample" && !m.variant.empty() ? m.variant : m.label();
 }
 
 /// Whether this is what `auto` took.
@@ -142,8 +148,10 @@ std::string chart_section(const Chart& chart, const std::string& text) {
 }
 
 std::string timing_cell(const char* label, const Timing& t) {
-  return fmt::format("<td class=\"n\" data-label=\"{}\">{}<small>{} to {}, {} repeats</small></td>", label,
-                     duration(t.median), duration(t.low), duration(t.high), t.repeats);
+  return fmt::format("<td class=\"n\" data-label=\"{}\">{}<small>{}</small></td>", label, duration(t.median),
+                     t.repeats == 1
+                         ? std::string("run once")
+                         : fmt::format("{} to {}, {} repeats", duration(t.low), duration(t.high), t.repeats));
 }
 
 std::string methods_section(const ChartRun& run) {
@@ -176,14 +184,19 @@ std::string methods_section(const ChartRun& run) {
       "<section aria-labelledby=\"frames\">\n<h2 id=\"frames\">A picture, drawn both ways</h2>\n<table "
       "class=\"table stacked\">\n"
       "<thead><tr><th scope=\"col\">Size</th><th scope=\"col\" class=\"n\">Lit pixels</th><th scope=\"col\" "
-      "class=\"n\">Per "
-      "vertex</th><th scope=\"col\" class=\"n\">Per pixel</th></tr></thead>\n<tbody>\n";
+      "class=\"n\">Per vertex, one thread</th><th scope=\"col\" class=\"n\">all threads</th><th "
+      "scope=\"col\" "
+      "class=\"n\">Per pixel, one thread</th><th scope=\"col\" class=\"n\">all threads</th></tr></thead>\n"
+      "<tbody>\n";
   for (const FrameRun& f : run.frames)
     html += fmt::format(
         "<tr><th scope=\"row\" data-label=\"Size\">{}×{}</th><td class=\"n\" data-label=\"Lit "
-        "pixels\">{}</td>{}{}</tr>\n",
-        f.width, f.height, grouped(f.n_covered), timing_cell("Per vertex", f.per_vertex),
-        timing_cell("Per pixel", f.per_fragment));
+        "pixels\">{}</td>{}{}{}{}</tr>\n",
+        f.width, f.height, grouped(f.n_covered),
+        timing_cell("Per vertex, one thread", f.per_vertex_one_thread),
+        timing_cell("Per vertex, all threads", f.per_vertex),
+        timing_cell("Per pixel, one thread", f.per_fragment_one_thread),
+        timing_cell("Per pixel, all threads", f.per_fragment));
   return html + "</tbody>\n</table>\n</section>\n";
 }
 
@@ -210,11 +223,15 @@ std::string chart_json(const ChartRun& run) {
            {"max_bound", std::isfinite(m.max_bound) ? Json(m.max_bound) : Json(nullptr)}}}});
   json["pictures"] = Json::array();
   for (const FrameRun& f : run.frames)
-    json["pictures"].push_back({{"width", f.width},
-                                {"height", f.height},
-                                {"lit_pixels", f.n_covered},
-                                {"per_vertex", timing_json(f.per_vertex)},
-                                {"per_fragment", timing_json(f.per_fragment)}});
+    json["pictures"].push_back(
+        {{"width", f.width},
+         {"height", f.height},
+         {"lit_pixels", f.n_covered},
+         {"per_vertex",
+          {{"one_thread", timing_json(f.per_vertex_one_thread)}, {"all_threads", timing_json(f.per_vertex)}}},
+         {"per_fragment",
+          {{"one_thread", timing_json(f.per_fragment_one_thread)},
+           {"all_threads", timing_json(f.per_fragment)}}}});
   json["over_lights"] = Json::array();
   for (const LightsRun& l : run.lights)
     json["over_lights"].push_back({{"lights", l.n_lights},
@@ -236,9 +253,10 @@ std::string chart_csv(const ChartRun& run) {
                        m.all_threads.median, m.all_threads.low, m.all_threads.high, m.all_threads.repeats,
                        m.rmse, m.max_sampled, m.max_bound);
   for (const FrameRun& f : run.frames)
-    for (const auto& [name, time] : {std::pair{"per vertex", f.per_vertex}, {"per pixel", f.per_fragment}})
-      csv += fmt::format("picture {},{}x{},,,,,{},{},{},{},,,\r\n", name, f.width, f.height, time.median,
-                         time.low, time.high, time.repeats);
+    for (const auto& [name, one, time] : {std::tuple{"per vertex", f.per_vertex_one_thread, f.per_vertex},
+                                          {"per pixel", f.per_fragment_one_thread, f.per_fragment}})
+      csv += fmt::format("picture {},{}x{},,,,{},{},{},{},{},,,\r\n", name, f.width, f.height, one.median,
+                         time.median, time.low, time.high, time.repeats);
   return csv;
 }
 
@@ -251,7 +269,7 @@ Chart speed_chart(const ChartRun& run) {
               {},
               true};
   chart.series = series_by_method(run, [](const MethodRun& m) {
-    return std::optional(point_of(m.all_threads, m.rmse * 255, m.label()));
+    return std::optional(point_of(m.all_threads, m.rmse * 255, label_of(m)));
   });
   add_frames(chart, run);
   return chart;
@@ -267,7 +285,7 @@ Chart bound_chart(const ChartRun& run) {
               true};
   chart.series = series_by_method(run, [](const MethodRun& m) -> std::optional<ChartPoint> {
     if (!std::isfinite(m.max_bound)) return std::nullopt;
-    return point_of(m.all_threads, m.max_bound * 255, m.label());
+    return point_of(m.all_threads, m.max_bound * 255, label_of(m));
   });
   add_frames(chart, run);
   return chart;

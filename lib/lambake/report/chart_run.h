@@ -32,6 +32,7 @@ struct FrameRun {
   std::size_t n_covered = 0;  ///< Pixels that are lit.
   Timing per_vertex;          ///< Finding what is seen and interpolating baked colours.
   Timing per_fragment;        ///< Finding what is seen and lighting each pixel.
+  Timing per_vertex_one_thread, per_fragment_one_thread;
 };
 
 /// The cost of more lights: lamps around the model.
@@ -55,7 +56,7 @@ struct ChartRun {
 
 struct ChartRunOptions {
   std::vector<std::string> methods{};  ///< Names of methods to run; empty: all of chart_methods().
-  double budget_seconds = 60;          ///< Nothing new is begun after it; methods take at most 0.6 of it.
+  double budget_seconds = 60;          ///< Nothing new is begun after it; methods take at most half of it.
   Camera camera{};                     ///< For the frames.
   Progress progress{};
 };

@@ -16,7 +16,7 @@
 namespace lambake {
 namespace {
 
-constexpr double letter_height = 13, letter_width = 7.4;  ///< Units; of a wide sans-serif face.
+constexpr double letter_height = 13;  ///< Units.
 constexpr double mark_radius = 5;
 constexpr std::size_t n_kinds = 8;  ///< Colours and shapes of marks.
 
@@ -28,12 +28,23 @@ struct Box {
   }
 };
 
-std::size_t count_letters(std::string_view text) {
-  return static_cast<std::size_t>(
-      std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xC0) != 0x80; }));
-}
+/// Of letters of that height in a wide sans-serif face (DejaVu Sans), in units.
 double width_of(std::string_view text) {
-  return letter_width * static_cast<double>(count_letters(text));
+  double width = 0;
+  for (const char c : text) {
+    if ((c & 0xC0) == 0x80) continue;  // Inside of a letter of several bytes.
+    if (c < 0)
+      width += 9;  // ×, µ and the like
+    else if (c >= '0' && c <= '9')
+      width += 8.3;
+    else if (std::string_view("iljtfr ,.:/'|").find(c) != std::string_view::npos)
+      width += 4.6;
+    else if (c >= 'A' && c <= 'Z')
+      width += 9.2;
+    else
+      width += c == 'm' || c == 'w' ? 11.7 : 8;
+  }
+  return width;
 }
 
 /// The range of a logarithmic axis.

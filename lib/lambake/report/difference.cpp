@@ -9,6 +9,7 @@
 
 #include "lambake/core/error.h"
 #include "lambake/core/parallel.h"
+#include "lambake/report/report.h"
 
 namespace lambake {
 namespace {
@@ -24,7 +25,6 @@ constexpr std::array<std::array<double, 3>, 9> diverging = {{{8, 48, 107},
                                                              {214, 96, 77},
                                                              {178, 24, 43},
                                                              {103, 0, 13}}};
-constexpr Srgb8 uncovered{58, 60, 66};
 constexpr Srgb8 nonfinite{255, 0, 255};
 
 double on_screen(float linear) {
@@ -103,6 +103,14 @@ Picture color_difference(const std::vector<float>& differences, const Visibility
     }
   });
   return map;
+}
+
+std::vector<Srgb8> heat_colors(std::span<const float> differences, double scale) {
+  std::vector<Srgb8> colors;
+  colors.reserve(differences.size());
+  for (const float d : differences)
+    colors.push_back(std::isfinite(d) ? to_srgb8(diverging_color(d / scale)) : nonfinite);
+  return colors;
 }
 
 std::vector<WorstPixel> worst_pixels(const std::vector<float>& differences, std::uint32_t width,

@@ -11,6 +11,10 @@
 /// Test − reference, pixel by pixel, on screen (sRGB, clamped to [0,1]). Internal to the folder.
 namespace lambake {
 
+/// Of pixels that no triangle covers, in heat maps and on the page: no colour of the maps, and not the black
+/// of a surface without light.
+inline constexpr Srgb8 uncovered{58, 60, 66};
+
 /// W×H: d of the channel with the largest |d|, signed; NaN where a side is not finite, 0 where nothing is
 /// covered. @throws InvalidOption if sizes differ.
 std::vector<float> screen_difference(const Picture& test, const Picture& reference,

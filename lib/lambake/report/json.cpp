@@ -87,6 +87,7 @@ std::string report_json(const Comparison& c) {
   json["image"]["display"]["histogram"] = c.image_display.histogram;
   json["surface"] = {{"linear", surface_json(c.surface_linear, c.max_bound_linear)},
                      {"display", surface_json(c.surface_display, c.max_bound_display)}};
+  json["heat_map_scale"] = heat_map_scale(c.per_vertex, c.per_fragment, c.visibility);
   json["error_shares"] = {{"interpolation", finite_or_null(c.shares.interpolation)},
                           {"clipping", finite_or_null(c.shares.clipping)},
                           {"quantisation", finite_or_null(c.shares.quantisation)}};

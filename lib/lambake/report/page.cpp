@@ -111,6 +111,17 @@ Picture crop(const Picture& picture, const Part& part) {
   return out;
 }
 
+/// The same of a picture of the model: its background, which is black as what gets no light is, in the colour
+/// of the heat map's.
+Picture crop_of_model(const Picture& picture, const Visibility& visibility, const Part& part) {
+  Picture out = crop(picture, part);
+  for (std::size_t i = 0; i < out.pixels.size(); ++i) {
+    const std::size_t x = part.x + i % part.width, y = part.y + i / part.width;
+    if (visibility.triangles[y * visibility.width + x] == no_triangle) out.pixels[i] = to_linear(uncovered);
+  }
+  return out;
+}
+
 /// The interval of `length` around `[low, high]`, moved and shortened into [0, end).
 std::pair<std::uint32_t, std::uint32_t> interval(std::uint32_t low, std::uint32_t high, std::uint32_t length,
                                                  std::uint32_t end) {
@@ -178,13 +189,14 @@ std::string slider_section(const Comparison& c, const Part& shown) {
 <label><input type="radio" name="pair" data-left="vertex" data-right="difference">per vertex and difference</label>
 <label><input type="radio" name="pair" data-left="fragment" data-right="difference">per pixel and difference</label>
 </fieldset>
-<figcaption>The same view, lit twice: at the vertices and interpolated between them, and at every pixel. <span class="screen">Drag the line, or use the arrow keys on the slider.</span></figcaption>
+<figcaption>The same view, lit twice: at the vertices and interpolated between them, and at every pixel. Grey is background; black gets no light. <span class="screen">Drag the line, or use the arrow keys on the slider.</span></figcaption>
 </figure>
 </section>
 )",
       fmt::arg("width", shown.width), fmt::arg("height", shown.height),
-      fmt::arg("input", escape_html(c.input)), fmt::arg("vertex", data_uri(crop(c.per_vertex, shown))),
-      fmt::arg("fragment", data_uri(crop(c.per_fragment, shown))));
+      fmt::arg("input", escape_html(c.input)),
+      fmt::arg("vertex", data_uri(crop_of_model(c.per_vertex, c.visibility, shown))),
+      fmt::arg("fragment", data_uri(crop_of_model(c.per_fragment, c.visibility, shown))));
 }
 
 std::string difference_section(const Comparison& c, const Differences& differences) {
@@ -236,7 +248,7 @@ std::string zooms_section(const Comparison& c, const Differences& differences) {
                                         {"difference", &differences.map}})
       html += fmt::format(
           "<div><img width=\"{0}\" height=\"{0}\" alt=\"Zoom {1}, {2}\" src=\"{3}\"><span>{2}</span></div>\n",
-          size, i + 1, name, data_uri(crop(*picture, part)));
+          size, i + 1, name, data_uri(crop_of_model(*picture, c.visibility, part)));
     html += fmt::format(
         "</div>\n<figcaption><b>{}</b> Per vertex is {} by <b>{}</b> at column {}, row "
         "{}.</figcaption>\n</figure>\n",
@@ -275,7 +287,7 @@ std::string numbers_section(const Comparison& c) {
   return fmt::format(
       "<section aria-labelledby=\"numbers\">\n<h2 id=\"numbers\">The numbers</h2>\n<p class=\"soft\">The "
       "picture shows "
-      "what one camera sees ({}); the surface is measured by area, seen from nowhere and hidden places "
+      "what one camera sees ({}); the surface is measured by area, from no camera and with hidden places "
       "included. 0 is black, 1 is white.</p>\n<div class=\"columns\">\n{}{}</div>\n</section>\n",
       c.n_views == 1 ? std::string("one view") : fmt::format("{} views taken together", c.n_views),
       numbers_table("On screen: sRGB-encoded, clamped to 0…1; what the eye gets", c.image_display,
@@ -342,17 +354,32 @@ std::string worst_section(const Comparison& c) {
   };
   std::string html =
       "<section aria-labelledby=\"worst\">\n<h2 id=\"worst\">The worst places on the surface</h2>\n"
+      "<p class=\"soft\">Of all of it, also what no picture shows. Faces are counted from 0, barycentrics "
+      "are of the "
+      "first one's corners. <code>surface_error.ply</code> beside this page has each triangle in the colour "
+      "of its "
+      "worst place, on the scale of the map above.</p>\n"
       "<table class=\"table stacked\">\n<thead><tr><th scope=\"col\">Off by</th><th scope=\"col\">Face</th>"
       "<th scope=\"col\">Barycentrics</th><th scope=\"col\">Position</th><th scope=\"col\">Light that causes "
       "most of it"
       "</th></tr></thead>\n<tbody>\n";
-  for (const SurfacePlace& place : worst)
+  for (std::size_t i = 0; i < worst.size(); ++i) {
+    const SurfacePlace& place = worst[i];
+    // The faces on both sides of an edge meet the same place.
+    const auto is_here = [&](const SurfacePlace& other) {
+      return glm::distance(other.position, place.position) <= 1e-6 * glm::length(place.position);
+    };
+    if (std::any_of(worst.begin(), worst.begin() + static_cast<std::ptrdiff_t>(i), is_here)) continue;
+    std::string faces = grouped(place.source_face);
+    for (std::size_t j = i + 1; j < worst.size(); ++j)
+      if (is_here(worst[j])) faces += ", " + grouped(worst[j].source_face);
     html += fmt::format(
         "<tr><th scope=\"row\" data-label=\"Off by\">{}</th><td data-label=\"Face\">{}</td>"
         "<td data-label=\"Barycentrics\">{}</td><td data-label=\"Position\">{}</td><td "
         "data-label=\"Light\">{}</td></tr>\n",
-        steps_of_255(place.error), place.source_face, vector(place.barycentrics), vector(place.position),
+        steps_of_255(place.error), faces, vector(place.barycentrics), vector(place.position),
         place.light < c.light_names.size() ? escape_html(c.light_names[place.light]) : "–");
+  }
   return html + "</tbody>\n</table>\n</section>\n";
 }
 
@@ -398,8 +425,8 @@ std::string findings_section(const Comparison& c) {
   for (const Finding& finding : c.findings)
     items += fmt::format("<li><b>{}</b> {}</li>\n", grouped(finding.count), escape_html(finding.text));
   if (c.seen_from_behind > 0)
-    items += fmt::format("<li><b>{}</b> pixels show the side of a face that its normal is not on</li>\n",
-                         grouped(c.seen_from_behind));
+    items += fmt::format("<li>{} the side of a face that its normal is not on</li>\n",
+                         count_of(c.seen_from_behind, "pixel shows", "pixels show"));
   return html +
          (items.empty() ? "<p>Nothing: the file is sound.</p>\n"
                         : "<ul class=\"plain\">\n" + items + "</ul>\n") +

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <span>
 #include <string>
+#include <vector>
 
 #include "lambake/report/comparison.h"
 
@@ -24,5 +26,9 @@ Picture heat_map(const Picture& test, const Picture& reference, const Visibility
 /// The scale that heat_map() picks: the first of 1, 2, 4, …, 128, 255 steps of 1/255 that is at least the
 /// 99th percentile of the covered pixels' differences.
 double heat_map_scale(const Picture& test, const Picture& reference, const Visibility& visibility);
+
+/// Signed differences on screen in the colours of heat_map(), for the triangles of a mesh.
+/// @param scale  the value at the ends of the colours, in (0,1].
+std::vector<Srgb8> heat_colors(std::span<const float> differences, double scale);
 
 }  // namespace lambake
