@@ -52,9 +52,29 @@ constexpr double nearest_cut = 1e-4;
 /// of it, would hardly carry it.
 constexpr double shortest_share = 1e-6;
 
-/// Where the normal as interpolated is shorter than this all over a triangle, its direction turns around a
-/// place where it vanishes, however small the triangle: cutting would not end.
-constexpr double shortest_normal = 0.25;
+/// Around a place where the interpolated normal vanishes, its direction turns by the same angles at every
+/// scale: cutting would not end. In a triangle of the scene whose normal gets as short as the first of these,
+/// parts whose normals are all shorter than the second are left alone.
+constexpr double vanishing_normal = 0.05, short_normal = 0.25;
+
+/// The distance of the triangle a b c from the origin.
+double distance_from_origin(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
+  const auto to_side = [](const glm::dvec3& p, const glm::dvec3& q) {
+    const glm::dvec3 d = q - p;
+    const double square = glm::dot(d, d);
+    const double t = square > 0 ? std::clamp(-glm::dot(p, d) / square, 0.0, 1.0) : 0;
+    return glm::length(p + t * d);
+  };
+  const double nearest = std::min({to_side(a, b), to_side(b, c), to_side(c, a)});
+  const glm::dvec3 normal = glm::cross(b - a, c - a);
+  const double square = glm::dot(normal, normal);
+  if (!(square > 0)) return nearest;
+  const glm::dvec3 foot = normal * (glm::dot(a, normal) / square);
+  const auto is_inside = [&](const glm::dvec3& p, const glm::dvec3& q) {
+    return glm::dot(glm::cross(q - p, foot - p), normal) >= 0;
+  };
+  return is_inside(a, b) && is_inside(b, c) && is_inside(c, a) ? glm::length(foot) : nearest;
+}
 
 double largest_coordinate(const Mesh& mesh) {
   const Bounds box = bounds_of(mesh.positions);
@@ -94,12 +114,12 @@ class AdaptiveBake {
     }
     certificate.is_certified = certificate.open_triangles == 0;
     add_finding(baked.findings, "unbounded_triangles", unbounded,
-                "triangles are touched by a light, so that their error has no bound");
+                "triangle[ is|s are] touched by a light, so that the error there has no bound");
     add_finding(baked.findings, "open_triangles", certificate.open_triangles - unbounded,
-                "triangles are not certified to be within the tolerance");
+                "triangle[ is|s are] not certified to be within the tolerance");
     add_finding(
         baked.findings, "triangles_without_direction", n_without_direction(),
-        "of them have normals that cancel inside or at a corner: light per pixel has no direction there "
+        "of them ha[s|ve] normals that cancel inside or at a corner: light per pixel has no direction there "
         "either; --crease-angle-deg parts such normals");
     add_finding(
         baked.findings, "triangles_open_by_storage", n_spoilt,
@@ -165,14 +185,9 @@ class AdaptiveBake {
                                      balanced_share * options_.tolerance, options_.tolerance_space);
       }
     });
-    std::vector<char> is_moved(cut_.mesh().n_vertices(), 0);
     for (std::size_t i = 0; i < open.size(); ++i)
-      for (int c = 0; c < 3; ++c) {
-        const std::uint32_t v = cut_.mesh().triangles[open[i]][c];
-        if (colors_.ask(v, glm::vec3(shifts[i][c]))) is_moved[v] = 1;
-      }
-    for (std::size_t v = 0; v < is_moved.size(); ++v)
-      if (is_moved[v]) colors_.move(v);
+      for (int c = 0; c < 3; ++c) colors_.ask(cut_.mesh().triangles[open[i]][c], glm::vec3(shifts[i][c]));
+    const std::vector<char> is_moved = colors_.move_asked();
     std::vector<std::uint32_t> touched;
     for (std::uint32_t f = 0; f < cut_.mesh().n_triangles(); ++f) {
       const glm::uvec3& t = cut_.mesh().triangles[f];
@@ -290,13 +305,21 @@ class AdaptiveBake {
                                    return x.low == y.low && x.high == y.high;
                                  }),
                      candidates.end());
+    // A mark makes a vertex for each pair of copies of its ends that has a side, so at most for all pairs.
     const std::size_t n = cut_.mesh().n_vertices();
     const std::size_t room = max_vertices_ > n ? max_vertices_ - n : 0;
-    if (candidates.size() > room) {
+    const std::vector<std::uint32_t> copies = copies_of_places();
+    const auto n_made = [&](const Candidate& c) { return std::size_t(copies[c.low]) * copies[c.high]; };
+    std::size_t n_all = 0;
+    for (const Candidate& c : candidates) n_all += n_made(c);
+    if (n_all > room) {
       has_room_ = false;
       std::stable_sort(candidates.begin(), candidates.end(),
                        [](const Candidate& x, const Candidate& y) { return x.error > y.error; });
-      candidates.resize(room);
+      std::size_t n_kept = 0, n_taken = 0;
+      while (n_kept < candidates.size() && n_taken + n_made(candidates[n_kept]) <= room)
+        n_taken += n_made(candidates[n_kept++]);
+      candidates.resize(n_kept);
     }
     std::vector<CutMark> marks;
     marks.reserve(candidates.size());
@@ -305,11 +328,23 @@ class AdaptiveBake {
     return marks;
   }
 
+  /// How many vertices are at each place.
+  std::vector<std::uint32_t> copies_of_places() const {
+    std::vector<std::uint32_t> copies;
+    for (const std::uint32_t place : cut_.places()) {
+      if (place >= copies.size()) copies.resize(place + 1, 0);
+      ++copies[place];
+    }
+    return copies;
+  }
+
   bool has_direction(std::uint32_t f) const {
     const glm::uvec3& t = cut_.mesh().triangles[f];
-    double longest = 0;
-    for (int c = 0; c < 3; ++c) longest = std::max(longest, glm::length(cut_.normals()[t[c]]));
-    return longest >= shortest_normal;
+    const glm::dvec3 &a = cut_.normals()[t[0]], &b = cut_.normals()[t[1]], &c = cut_.normals()[t[2]];
+    if (std::max({glm::length(a), glm::length(b), glm::length(c)}) >= short_normal) return true;
+    const glm::uvec3& whole = scene_.mesh.triangles[cut_.parent_triangles()[f]];
+    const auto normal = [&](int k) { return glm::dvec3(scene_.mesh.normals[whole[k]]); };
+    return distance_from_origin(normal(0), normal(1), normal(2)) > vanishing_normal;
   }
 
   /// A measure of how much the light can vary between two vertices.

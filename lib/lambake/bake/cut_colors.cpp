@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <tuple>
 
 #include "lambake/core/parallel.h"
 
@@ -55,11 +56,42 @@ Patch CutColors::patch(const glm::uvec3& t) const {
   return patch;
 }
 
-bool CutColors::ask(std::size_t v, const glm::vec3& shift) {
-  const glm::vec3 rise = glm::max(rises_[v], shift), fall = glm::min(falls_[v], shift);
-  const bool is_new = rise != rises_[v] || fall != falls_[v];
-  rises_[v] = rise, falls_[v] = fall;
-  return is_new;
+void CutColors::ask(std::size_t v, const glm::vec3& shift) {
+  rises_[v] = glm::max(rises_[v], shift), falls_[v] = glm::min(falls_[v], shift);
+}
+
+void CutColors::share_among_copies() {
+  const std::vector<std::uint32_t>& places = cut_.places();
+  std::vector<std::uint32_t> counts, copies;
+  for (const std::uint32_t place : places) {
+    if (place >= counts.size()) counts.resize(place + 1, 0);
+    ++counts[place];
+  }
+  for (std::uint32_t v = 0; v < places.size(); ++v)
+    if (counts[places[v]] > 1 && is_finite(exact_[v])) copies.push_back(v);
+  const auto key = [&](std::uint32_t v) {
+    return std::tie(places[v], exact_[v].r, exact_[v].g, exact_[v].b);
+  };
+  std::sort(copies.begin(), copies.end(), [&](std::uint32_t a, std::uint32_t b) { return key(a) < key(b); });
+  for (std::size_t i = 0; i < copies.size();) {
+    std::size_t end = i;
+    glm::vec3 rise(0), fall(0);
+    for (; end < copies.size() && key(copies[end]) == key(copies[i]); ++end)
+      rise = glm::max(rise, rises_[copies[end]]), fall = glm::min(fall, falls_[copies[end]]);
+    for (; i < end; ++i) rises_[copies[i]] = rise, falls_[copies[i]] = fall;
+  }
+}
+
+std::vector<char> CutColors::move_asked() {
+  share_among_copies();
+  std::vector<char> is_moved(colors_.size(), 0);
+  for (std::size_t v = 0; v < colors_.size(); ++v) {
+    if (rises_[v] == glm::vec3(0) && falls_[v] == glm::vec3(0)) continue;
+    const LinearRgb before = colors_[v];
+    move(v);
+    is_moved[v] = colors_[v] != before;
+  }
+  return is_moved;
 }
 
 void CutColors::move(std::size_t v) {

@@ -30,10 +30,11 @@ class CutColors {
   const LinearRgb& exact(std::size_t v) const { return exact_[v]; }
 
   /// Asks for the colour of `v` to be `shift` off the reference. Of all that was asked of a vertex, the
-  /// largest rise and the largest fall of a channel count, added. @returns whether that changes it.
-  bool ask(std::size_t v, const glm::vec3& shift);
-  /// Does what was asked of `v`.
-  void move(std::size_t v);
+  /// largest rise and the largest fall of a channel count, added.
+  void ask(std::size_t v, const glm::vec3& shift);
+  /// Does what was asked; copies of a vertex with one reference move together, so that no seam shows.
+  /// @returns V': whether the colour has changed.
+  std::vector<char> move_asked();
 
   bool is_spoilt(std::size_t v) const { return !is_spoilt_.empty() && is_spoilt_[v]; }
   /// Puts the colours as the output stores them everywhere, spoilt ones too.
@@ -41,6 +42,8 @@ class CutColors {
   std::vector<LinearRgb> take_colors() { return std::move(colors_); }
 
  private:
+  void move(std::size_t v);
+  void share_among_copies();
   bool spoils(const LinearRgb& color, const LinearRgb& stored) const;
 
   const Scene& scene_;

@@ -221,9 +221,9 @@ BakedColors bake_least_squares(const Scene& scene, const BakeOptions& options) {
     baked.colors[v] = {static_cast<float>(x[0]), static_cast<float>(x[1]), static_cast<float>(x[2])};
   }
   add_finding(baked.findings, "overshoot_below_0", n_below,
-              "vertices are darker than black for the least squares; no output holds that");
+              "vert[ex is|ices are] darker than black for the least squares; no output holds that");
   add_finding(baked.findings, "overshoot_above_1", n_above,
-              "vertices are brighter than 1 for the least squares, but not for the light there");
+              "vert[ex is|ices are] brighter than 1 for the least squares, but not for the light there");
   return baked;
 }
 

@@ -16,14 +16,15 @@ constexpr double vanishing = 1e-5;
 /// u·v of two vectors that are linear over the triangle: exact in this form.
 Enclosure dot(const glm::dmat3& u, const glm::dmat3& v) {
   Enclosure e;
-  double size = 0;
+  double square_u = 0, square_v = 0;
   for (int k = 0; k < 3; ++k) {
     const int next = (k + 1) % 3;
     e.linear[static_cast<std::size_t>(k)] = glm::dot(u[k], v[k]);
     e.quadratic[static_cast<std::size_t>(k)] = -glm::dot(u[next] - u[k], v[next] - v[k]);
-    size = std::max(size, glm::dot(u[k], u[k]) + glm::dot(v[k], v[k]));
+    square_u = std::max(square_u, glm::dot(u[k], u[k]));
+    square_v = std::max(square_v, glm::dot(v[k], v[k]));
   }
-  widen(e, 4 * size);
+  widen(e, 8 * std::sqrt(square_u) * std::sqrt(square_v));
   return e;
 }
 
