@@ -76,7 +76,8 @@ TEST(Balance, ErrorsOfMoreThanTwiceWhatIsAllowed_MoveNothing) {
               glm::dmat3(0.0));
 }
 
-// n·ω runs from -0.3 to 0.7 along the side: the kink is at 0.3, where the colours are at 0.3 of the lit end's.
+// n·ω runs from -0.3 to 0.7 along the side: the kink is at 0.3, where the colours are at 0.3 of the lit
+// end's.
 TEST(SideError, TerminatorAcrossASide_IsFoundWithItsError) {
   const std::vector<Light> lights{sun({0, 1, 0})};
   Patch patch;
