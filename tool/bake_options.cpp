@@ -62,8 +62,9 @@ void add_bake_options(CLI::App& command, BakeMethodOptions& options) {
                   "adaptive, auto: display (as a screen shows it) or linear")
       ->check(CLI::IsMember({"display", "linear"}))
       ->capture_default_str();
-  command.add_option("--max-vertices", options.max_vertices,
-                     "adaptive, auto: stop cutting before there are more; 0 is no limit");
+  command.add_option(
+      "--max-vertices", options.max_vertices,
+      "adaptive, auto: stop cutting before there are more; 0 is 8 times the scene's and 65,536");
   command
       .add_option("--max-seconds", options.max_seconds,
                   "adaptive, auto: stop cutting after this time; 0 is no limit")

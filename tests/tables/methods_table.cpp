@@ -1,4 +1,5 @@
-// Prints the tables of docs/methods.md and docs/bound.md: what each method costs and leaves on real meshes.
+// Prints docs/method-tables.md: what each method costs and leaves on real meshes, and how tight the bounds
+// are.
 //
 //     methods_table [PART_OF_A_NAME...]      only the scenes whose name has one of these in it
 #include <fmt/format.h>
@@ -12,9 +13,11 @@
 #include <vector>
 
 #include "lambake/core/bounds.h"
+#include "lambake/core/digits.h"
 #include "lambake/core/error.h"
 #include "lambake/geometry/creases.h"
 #include "lambake/io/mesh_file.h"
+#include "lambake/io/scene_file.h"
 #include "lambake/measure/bound.h"
 #include "lambake/measure/select.h"
 #include "lambake/measure/surface_error.h"
@@ -26,28 +29,37 @@ namespace {
 struct Model {
   std::string name, path;  ///< Without a path: an icosphere of the level at the end of the name.
   float crease_deg = 0;
+  std::size_t limit = 0;  ///< Triangles within which 1/255 under a sun is to be certified; 0 is none.
 };
 
 const std::vector<Model> models = {
-    {"icosphere 2", "", 0},
-    {"icosphere 3", "", 0},
-    {"icosphere 4", "", 0},
-    {"bunny", "scan/bunny.ply", 0},
-    {"armadillo", "scan/armadillo.obj", 0},
-    {"elephant", "scan/elephant.off", 0},
-    {"fandisk, creases at 30 degrees", "cad/fandisk.off", 30},
-    {"rocker-arm", "cad/rocker-arm.off", 0},
-    {"teapot", "classic/teapot.obj", 0},
+    {"icosphere 2", "", 0, 800},
+    {"icosphere 3", "", 0, 1500},
+    {"icosphere 4", "", 0, 5500},
+    {"bunny", "scan/bunny.ply", 0, 94585},
+    {"armadillo", "scan/armadillo.obj", 0, 166447},
+    {"elephant", "scan/elephant.off", 0, 67486},
+    {"fandisk, creases at 30 degrees", "cad/fandisk.off", 30, 0},
+    {"rocker-arm", "cad/rocker-arm.off", 0, 41110},
+    {"teapot", "classic/teapot.obj", 0, 0},
+    {"gallery", "gallery.glb", 0, 0},
 };
 
-Mesh load(const Model& model) {
-  if (model.path.empty()) return icosphere(static_cast<unsigned>(model.name.back() - '0'));
+/// The model without lights. The gallery keeps its materials and textures; of the others only the shape is
+/// taken.
+Scene load(const Model& model) {
+  if (model.path.empty()) return scene_of(icosphere(static_cast<unsigned>(model.name.back() - '0')), {});
+  if (model.path == "gallery.glb") {
+    Scene scene = read_scene_file(LAMBAKE_SOURCE_DIR "/meshes/gallery.glb").scene;
+    scene.lights.clear();
+    return scene;
+  }
   Mesh mesh = read_mesh_file(std::string(LAMBAKE_SOURCE_DIR "/../shared/meshes/") + model.path).scene.mesh;
   mesh.normals.clear();
   mesh.colors.clear();
   mesh.materials.clear();
   if (model.crease_deg > 0) split_creases(mesh, glm::radians(model.crease_deg));
-  return mesh;
+  return scene_of(mesh, {});
 }
 
 /// Lights around a model: (a) a sun, (b) three lamps close to it, (c) 64 lamps on a sphere around it.
@@ -70,6 +82,12 @@ std::vector<Light> lights_of(char kind, const Bounds& box) {
   return lights;
 }
 
+Scene load(const Model& model, char light_kind) {
+  Scene scene = load(model);
+  scene.lights = lights_of(light_kind, bounds_of(scene.mesh.positions));
+  return scene;
+}
+
 void print_row(const Scene& scene, const std::string& name, const BakeOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   const BakedColors baked = bake(scene, options);
@@ -83,8 +101,7 @@ void print_row(const Scene& scene, const std::string& name, const BakeOptions& o
 }
 
 void print_table(const Model& model, char kind) {
-  const Mesh mesh = load(model);
-  const Scene scene = scene_of(mesh, lights_of(kind, bounds_of(mesh.positions)));
+  const Scene scene = load(model, kind);
   const char* const light = kind == 'a' ? "one sun" : kind == 'b' ? "three near lamps" : "64 lamps";
   fmt::print("\n**{}, {}**\n\n", model.name, light);
   fmt::print("| method | vertices | triangles | RMSE | max, sampled | max, certified | seconds |\n");
@@ -102,8 +119,7 @@ void print_table(const Model& model, char kind) {
 /// How far the bounds are above the errors that were sampled, triangle by triangle, where these are above
 /// 10⁻⁶.
 void print_tightness(const Model& model) {
-  const Mesh mesh = load(model);
-  const Scene scene = scene_of(mesh, lights_of('a', bounds_of(mesh.positions)));
+  const Scene scene = load(model, 'a');
   const BakedColors baked = bake(scene, {});
   const SurfaceError error = surface_error(scene, baked, ErrorSpace::display);
   const auto start = std::chrono::steady_clock::now();
@@ -120,18 +136,38 @@ void print_tightness(const Model& model) {
   std::fflush(stdout);
 }
 
+/// The smallest certified mesh under a sun, and how thin its triangles are.
+void print_certified(const Model& model) {
+  const Scene scene = load(model, 'a');
+  const BakedColors baked = bake(scene, {.method = BakeMethod::adaptive});
+  const Certificate& c = *baked.certificate;
+  fmt::print("| {} | {} | {} | {} | {:.3f}/255{} | {:.2f}° → {:.3f}° |\n", model.name,
+             group_digits(scene.mesh.n_triangles()), group_digits(baked.mesh->n_triangles()),
+             group_digits(model.limit), 255 * c.max_bound, c.is_certified ? "" : ", not certified",
+             glm::degrees(c.smallest_angle_before), glm::degrees(c.smallest_angle_after));
+  std::fflush(stdout);
+}
+
 int run(const std::vector<std::string>& parts) {
   const auto is_wanted = [&](const std::string& name) {
     return parts.empty() || std::any_of(parts.begin(), parts.end(), [&](const std::string& part) {
              return name.find(part) != std::string::npos;
            });
   };
-  fmt::print("Tightness of the bound, `sample`, one sun, on screen: bound / sampled maximum\n\n");
+  fmt::print(
+      "# Method tables\n\nMade by `build/release/methods_table` (target `methods_table`); "
+      "[methods.md](methods.md) says what the methods are.\n\n");
+  fmt::print("## Certified at 1/255 on screen, one sun\n\n");
+  fmt::print("| mesh | triangles before | after | asked: at most | certified | smallest angle |\n");
+  fmt::print("|---|--:|--:|--:|--:|---|\n");
+  for (const Model& model : models)
+    if (is_wanted(model.name) && model.limit > 0) print_certified(model);
+  fmt::print("\n## Tightness of the bound\n\n`sample`, one sun, on screen: bound / sampled maximum\n\n");
   fmt::print("| mesh | triangles with an error | median | 99 % | largest | ns per triangle |\n");
   fmt::print("|---|--:|--:|--:|--:|--:|\n");
   for (const Model& model : models)
     if (is_wanted(model.name)) print_tightness(model);
-  fmt::print("\nErrors on screen in steps of 1/255.\n");
+  fmt::print("\n## What each method costs and leaves\n\nErrors on screen in steps of 1/255.\n");
   for (const Model& model : models)
     for (const char kind : {'a', 'b', 'c'})
       if (is_wanted(model.name)) print_table(model, kind);
