@@ -235,6 +235,19 @@ TEST(Adaptive, ColoursThatTheOutputClips_AreToldAndNotCutFor) {
   EXPECT_EQ(n_told, clipped.certificate->open_triangles);
 }
 
+// What the screen clips as well is not lost: the edge of white is cut like a terminator.
+TEST(Adaptive, ColoursThatScreenAndOutputClip_AreCertified) {
+  const Scene scene = scene_of(icosphere(3), {sun({0.4f, 1, 0.3f}, {1.5f, 1.2f, 0.9f})});
+  const BakedColors baked =
+      bake(scene, {.method = BakeMethod::adaptive, .as_stored = [](const LinearRgb& c) {
+                     return LinearRgb{std::min(c.r, 1.0f), std::min(c.g, 1.0f), std::min(c.b, 1.0f)};
+                   }});
+  EXPECT_TRUE(baked.certificate->is_certified);
+  EXPECT_LT(baked.mesh->n_triangles(), 2500U);
+  for (const LinearRgb& c : baked.colors) EXPECT_LE(c.r, 1.0f);
+  EXPECT_LE(surface_error(scene, baked, ErrorSpace::display).max_sampled, 1.0 / 255);
+}
+
 TEST(Adaptive, LampOnTheSurface_EndsUncertified) {
   Mesh mesh = grid(2, 1);
   for (const glm::vec3& p : mesh.positions)

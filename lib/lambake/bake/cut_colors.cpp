@@ -17,19 +17,16 @@ constexpr std::size_t block_size = 64;
 CutColors::CutColors(const Scene& scene, const BakeOptions& options, const CutMesh& cut)
     : scene_(scene), options_(options), cut_(cut), all_lights_(scene.lights.size()) {
   std::iota(all_lights_.begin(), all_lights_.end(), 0U);
-  is_unlit_.resize(scene.mesh.n_vertices(), false);
+  materials_.resize(scene.mesh.n_vertices(), 0);
   for (std::size_t f = 0; f < scene.mesh.n_triangles(); ++f)
-    if (scene.materials[scene.mesh.material_of(f)].is_unlit)
-      for (int c = 0; c < 3; ++c) is_unlit_[scene.mesh.triangles[f][c]] = true;
+    for (int c = 0; c < 3; ++c) materials_[scene.mesh.triangles[f][c]] = scene.mesh.material_of(f);
   add_new_vertices();
 }
 
 void CutColors::add_new_vertices() {
   const std::size_t first = colors_.size(), n = cut_.mesh().n_vertices();
-  for (std::size_t i = is_unlit_.size(); i < n; ++i) {
-    const EdgeCut& cut = cut_.cuts()[i - cut_.n_uncut_vertices()];
-    is_unlit_.push_back(is_unlit_[cut.a] && is_unlit_[cut.b]);
-  }
+  for (std::size_t i = materials_.size(); i < n; ++i)
+    materials_.push_back(materials_[cut_.cuts()[i - cut_.n_uncut_vertices()].a]);
   colors_.resize(n), exact_.resize(n), rises_.resize(n, glm::vec3(0)), falls_.resize(n, glm::vec3(0));
   if (options_.as_stored) stored_.resize(n), is_spoilt_.resize(n, false);
   parallel_blocks(n - first, block_size, [&](std::size_t begin, std::size_t end) {
@@ -38,7 +35,8 @@ void CutColors::add_new_vertices() {
       point.positions[0] = cut_.positions()[v];
       point.normals[0] = cut_.normals()[v];
       if (!cut_.albedos().empty()) point.albedos[0] = cut_.albedos()[v];
-      const glm::vec3 c(reference_at(point, scene_.lights, all_lights_, is_unlit_[v], glm::dvec3(1, 0, 0)));
+      const glm::vec3 c(
+          reference_at(point, scene_.lights, all_lights_, material(v).is_unlit, glm::dvec3(1, 0, 0)));
       exact_[v] = {c.r, c.g, c.b};
       move(v);
     }
@@ -99,17 +97,23 @@ void CutColors::move(std::size_t v) {
   colors_[v] = exact_[v] + LinearRgb{shift.r, shift.g, shift.b};
   if (!options_.as_stored) return;
   stored_[v] = options_.as_stored(colors_[v]);
-  is_spoilt_[v] = spoils(colors_[v], stored_[v]);
+  is_spoilt_[v] = spoils(material(v), colors_[v], stored_[v]);
   if (!is_spoilt_[v]) colors_[v] = stored_[v];
 }
 
-bool CutColors::spoils(const LinearRgb& color, const LinearRgb& stored) const {
-  const auto loss = [&](double was, double is) {
-    return options_.tolerance_space == ErrorSpace::linear ? std::abs(was - is)
-                                                          : std::abs(srgb_encode(was) - srgb_encode(is));
+bool CutColors::spoils(const Material& material, const LinearRgb& color, const LinearRgb& stored) const {
+  const bool has_texture =
+      material.base_color_texture != no_texture || material.emission_texture != no_texture;
+  const auto loss = [&](double was, double is, double base, double emission) {
+    if (options_.tolerance_space == ErrorSpace::linear) return std::abs(was - is);
+    // Behind a texture what is above 1 may still be seen.
+    if (has_texture) return std::abs(srgb_encode(was) - srgb_encode(is));
+    return std::abs(compared(emission + base * was, ErrorSpace::display) -
+                    compared(emission + base * is, ErrorSpace::display));
   };
-  return std::max({loss(color.r, stored.r), loss(color.g, stored.g), loss(color.b, stored.b)}) >
-         0.25 * options_.tolerance;
+  const LinearRgb &base = material.base_color, &emission = material.emission;
+  return std::max({loss(color.r, stored.r, base.r, emission.r), loss(color.g, stored.g, base.g, emission.g),
+                   loss(color.b, stored.b, base.b, emission.b)}) > 0.25 * options_.tolerance;
 }
 
 void CutColors::take_stored() {

@@ -14,8 +14,9 @@ namespace lambake {
 /// The colours of a mesh that is being cut; internal to the folder. Each vertex has the reference there,
 /// moved by what balancing has asked for, as the output stores it.
 ///
-/// Where the output spoils a colour (clips it, or rounds away more than a quarter of the tolerance), no cut
-/// around the vertex can mend that, so cuts are chosen for the colour as it should be.
+/// Where the output spoils a colour (clips what the screen would not clip as well, or rounds away more than a
+/// quarter of the tolerance), no cut around the vertex can mend that, so cuts are chosen for the colour as it
+/// should be.
 class CutColors {
  public:
   /// The arguments must outlive it. V' is always that of `cut`.
@@ -44,13 +45,14 @@ class CutColors {
  private:
   void move(std::size_t v);
   void share_among_copies();
-  bool spoils(const LinearRgb& color, const LinearRgb& stored) const;
+  const Material& material(std::size_t v) const { return scene_.materials[materials_[v]]; }
+  bool spoils(const Material& material, const LinearRgb& color, const LinearRgb& stored) const;
 
   const Scene& scene_;
   const BakeOptions& options_;
   const CutMesh& cut_;
   std::vector<std::uint32_t> all_lights_;
-  std::vector<char> is_unlit_;            ///< V'
+  std::vector<std::uint32_t> materials_;  ///< V': that of its triangles, which are of one material.
   std::vector<LinearRgb> exact_;          ///< V'
   std::vector<LinearRgb> colors_;         ///< V'
   std::vector<glm::vec3> rises_, falls_;  ///< V'; >= 0 and <= 0.
