@@ -151,6 +151,7 @@ class AdaptiveBake {
     std::vector<std::uint32_t> active = above(level);
     for (int round = 0;; ++round) {
       bound(active, level);
+      if (round == n_sparing_rounds && level == options_.tolerance) active = unbalance();
       if (round == max_rounds || !has_room_ || is_late()) return;
       const std::vector<CutMark> marks = find_marks(active, level, round >= n_sparing_rounds);
       if (marks.empty()) return;
@@ -187,13 +188,28 @@ class AdaptiveBake {
     });
     for (std::size_t i = 0; i < open.size(); ++i)
       for (int c = 0; c < 3; ++c) colors_.ask(cut_.mesh().triangles[open[i]][c], glm::vec3(shifts[i][c]));
-    const std::vector<char> is_moved = colors_.move_asked();
+    bound(triangles_with(colors_.move_asked()), options_.tolerance);
+  }
+
+  /// The colours around the triangles above the tolerance go back to the reference: what a balanced vertex
+  /// has itself no cut takes away, where a texture leaves the bound no room for it.
+  /// @returns the triangles that are above the tolerance now.
+  std::vector<std::uint32_t> unbalance() {
+    std::vector<char> is_marked_place(cut_.n_places(), 0);
+    for (const std::uint32_t f : above(options_.tolerance))
+      for (int c = 0; c < 3; ++c) is_marked_place[cut_.places()[cut_.mesh().triangles[f][c]]] = 1;
+    bound(triangles_with(colors_.move_back(is_marked_place)), options_.tolerance);
+    return above(options_.tolerance);
+  }
+
+  /// The triangles with a vertex that is marked, ascending.
+  std::vector<std::uint32_t> triangles_with(const std::vector<char>& is_marked) const {
     std::vector<std::uint32_t> touched;
     for (std::uint32_t f = 0; f < cut_.mesh().n_triangles(); ++f) {
       const glm::uvec3& t = cut_.mesh().triangles[f];
-      if (is_moved[t[0]] || is_moved[t[1]] || is_moved[t[2]]) touched.push_back(f);
+      if (is_marked[t[0]] || is_marked[t[1]] || is_marked[t[2]]) touched.push_back(f);
     }
-    bound(touched, options_.tolerance);
+    return touched;
   }
 
   /// What is certified is what is stored. @returns how many triangles come to be above the tolerance by that.

@@ -80,11 +80,20 @@ void CutColors::share_among_copies() {
   }
 }
 
+std::vector<char> CutColors::move_back(const std::vector<char>& is_marked_place) {
+  for (std::size_t v = 0; v < colors_.size(); ++v)
+    if (is_marked_place[cut_.places()[v]]) rises_[v] = falls_[v] = glm::vec3(0);
+  return move_all();
+}
+
 std::vector<char> CutColors::move_asked() {
   share_among_copies();
+  return move_all();
+}
+
+std::vector<char> CutColors::move_all() {
   std::vector<char> is_moved(colors_.size(), 0);
   for (std::size_t v = 0; v < colors_.size(); ++v) {
-    if (rises_[v] == glm::vec3(0) && falls_[v] == glm::vec3(0)) continue;
     const LinearRgb before = colors_[v];
     move(v);
     is_moved[v] = colors_[v] != before;
@@ -97,7 +106,9 @@ void CutColors::move(std::size_t v) {
   colors_[v] = exact_[v] + LinearRgb{shift.r, shift.g, shift.b};
   if (!options_.as_stored) return;
   stored_[v] = options_.as_stored(colors_[v]);
-  is_spoilt_[v] = spoils(material(v), colors_[v], stored_[v]);
+  // A shift that the output cuts short is only a smaller one.
+  is_spoilt_[v] = spoils(material(v), colors_[v], stored_[v]) &&
+                  spoils(material(v), exact_[v], options_.as_stored(exact_[v]));
   if (!is_spoilt_[v]) colors_[v] = stored_[v];
 }
 

@@ -36,6 +36,9 @@ class CutColors {
   /// Does what was asked; copies of a vertex with one reference move together, so that no seam shows.
   /// @returns V': whether the colour has changed.
   std::vector<char> move_asked();
+  /// Takes back what was asked of all vertices at the places (CutMesh::places()) that are marked.
+  /// @returns V': whether the colour has changed.
+  std::vector<char> move_back(const std::vector<char>& is_marked_place);
 
   bool is_spoilt(std::size_t v) const { return !is_spoilt_.empty() && is_spoilt_[v]; }
   /// Puts the colours as the output stores them everywhere, spoilt ones too.
@@ -44,6 +47,7 @@ class CutColors {
 
  private:
   void move(std::size_t v);
+  std::vector<char> move_all();
   void share_among_copies();
   const Material& material(std::size_t v) const { return scene_.materials[materials_[v]]; }
   bool spoils(const Material& material, const LinearRgb& color, const LinearRgb& stored) const;

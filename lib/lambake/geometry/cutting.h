@@ -30,6 +30,7 @@ class CutMesh {
 
   const Mesh& mesh() const { return mesh_; }
   std::size_t n_uncut_vertices() const { return n_uncut_; }
+  std::size_t n_places() const { return n_places_; }
   const std::vector<EdgeCut>& cuts() const { return cuts_; }
   const std::vector<std::uint32_t>& parent_triangles() const { return parents_; }  ///< F'
   const std::vector<std::uint32_t>& places() const { return places_; }             ///< V': the place of each.

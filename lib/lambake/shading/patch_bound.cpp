@@ -295,8 +295,25 @@ class Bounder {
     return part;
   }
 
+  /// The bound in channel c. One base colour holds for F and G: where it spans a texture's texels and that
+  /// matters, it is taken in steps.
   double bound_of(int c, Interval f, Interval e, const Patch& patch) const {
-    const double b0 = finish_.base_low[c], b1 = finish_.base_high[c];
+    constexpr double step = 1.25, darkest = 1.0 / 256;
+    const double least = finish_.base_low[c], most = finish_.base_high[c];
+    double bound = bound_of(c, f, e, patch, least, most);
+    if (bound <= options_.accept || !(most > step * least) || options_.space == ErrorSpace::linear)
+      return bound;
+    bound = 0;
+    for (double high = most; high > least;) {
+      const double low = high > darkest * most ? std::max(least, high / step) : least;
+      bound = std::max(bound, bound_of(c, f, e, patch, low, high));
+      high = low;
+    }
+    return bound;
+  }
+
+  /// The same for base colours from b0 to b1.
+  double bound_of(int c, Interval f, Interval e, const Patch& patch, double b0, double b1) const {
     const double low_e = std::min(b0 * e.low, b1 * e.low), high_e = std::max(b0 * e.high, b1 * e.high);
     if (options_.space == ErrorSpace::linear) return std::max({-low_e, high_e, 0.0}) * (1 + 1e-15);
     const double g0 = std::min({patch.colors[0][c], patch.colors[1][c], patch.colors[2][c]});
