@@ -171,7 +171,7 @@ void draw_enclosure(const std::string& path) {
                               -glm::dot(n[0] - n[2], n[0] - n[2])},
                              0,
                              0};
-      const Enclosure light = received_over(e.lights[0], part, power(square, -0.5), true);
+      const Enclosure light = received_over(e.lights[0], part, true, 1 + 1e-12) * power(square, -0.5);
       const auto value = [&](double x, double offset) {
         const double u = (x - ends[i]) / (ends[i + 1] - ends[i]);
         return light.linear[0] * (1 - u) + light.linear[1] * u + light.quadratic[0] * u * (1 - u) +

@@ -72,9 +72,8 @@ double steepest_from(double x) {
                                          static_cast<int>((mantissa - 1) * n_steps))];
 }
 
-/// Encloses max(0, N·ω)·f(d) of one light over a patch: ‖N‖ times what it receives, or with `has_normal`
-/// false just what it receives. Infinite where it has no bound.
-/// @param longest  at least the longest normal of the patch; 1 with `has_normal` false.
+}  // namespace
+
 Enclosure received_over(const Light& light, const Patch& patch, bool has_normal, double longest) {
   const glm::dmat3& n = patch.normals;
   if (light.type == LightType::directional) {
@@ -110,6 +109,8 @@ Enclosure received_over(const Light& light, const Patch& patch, bool has_normal,
   const Interval values = range(value);
   return values.high - values.low > most ? anything_in({0, most}) : value;
 }
+
+namespace {
 
 /// A part of the patch and the bound over it.
 struct Part {
