@@ -144,7 +144,23 @@ void add_general(std::span<const Light> lights, const V3& position, const V3& no
   }
 }
 
-/// E at as many points as a vector has lanes. `positions` is null if no light needs them.
+/// A light in every lane.
+struct DirectionalLanes {
+  V3 direction, intensity;
+};
+
+/// E at as many points as a vector has lanes, of one sun: apart from the runs, as there the loads and stores
+/// are what counts.
+HWY_INLINE void irradiance_of_vector(const DirectionalLanes& sun, const glm::vec3* /*positions*/,
+                                     const glm::vec3* normals, LinearRgb* out) {
+  const Floats d;
+  const V cosine = dot(load(normals), sun.direction);
+  const V received = hn::IfThenElseZero(hn::Gt(cosine, hn::Zero(d)), cosine);
+  hn::StoreInterleaved3(hn::Mul(sun.intensity.x, received), hn::Mul(sun.intensity.y, received),
+                        hn::Mul(sun.intensity.z, received), d, &out->r);
+}
+
+/// The same of any lights. `positions` is null if none needs them.
 HWY_INLINE void irradiance_of_vector(const PackedLights& lights, const glm::vec3* positions,
                                      const glm::vec3* normals, LinearRgb* out) {
   const Floats d;
@@ -170,7 +186,8 @@ HWY_INLINE void irradiance_of_vector(const PackedLights& lights, const glm::vec3
   hn::StoreInterleaved3(sum.x, sum.y, sum.z, d, &out->r);
 }
 
-void irradiance_of_points(const PackedLights& lights, const glm::vec3* positions, const glm::vec3* normals,
+template <typename Lights>
+void irradiance_of_points(const Lights& lights, const glm::vec3* positions, const glm::vec3* normals,
                           LinearRgb* out, std::size_t n) {
   const std::size_t lanes = hn::Lanes(Floats());
   std::size_t i = 0;
@@ -188,6 +205,15 @@ void irradiance_of_points(const PackedLights& lights, const glm::vec3* positions
   std::copy_n(last_out.begin(), n - i, out + i);
 }
 
+void irradiance_of_lights(const PackedLights& lights, const glm::vec3* positions, const glm::vec3* normals,
+                          LinearRgb* out, std::size_t n) {
+  if (lights.sources.size() != 1 || lights.runs[0].kind != PackedLights::Kind::directional)
+    return irradiance_of_points(lights, positions, normals, out, n);
+  const auto& [place, intensity] = lights.sources[0];
+  const DirectionalLanes sun{broadcast(place), broadcast({intensity.r, intensity.g, intensity.b})};
+  irradiance_of_points(sun, positions, normals, out, n);
+}
+
 }  // namespace
 }  // namespace lambake::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
@@ -198,7 +224,7 @@ namespace lambake {
 static_assert(sizeof(glm::vec3) == 3 * sizeof(float) && sizeof(LinearRgb) == 3 * sizeof(float));
 
 namespace {
-HWY_EXPORT(irradiance_of_points);
+HWY_EXPORT(irradiance_of_lights);
 }  // namespace
 
 PackedLights pack_lights(std::span<const Light> lights) {
@@ -226,7 +252,7 @@ void irradiance(const PackedLights& lights, std::span<const glm::vec3> positions
                 std::span<const glm::vec3> normals, std::span<LinearRgb> out) {
   if (normals.size() != out.size() || (lights.needs_positions && positions.size() != out.size()))
     throw InvalidOption("irradiance: expected as many positions and normals as results");
-  HWY_DYNAMIC_DISPATCH(irradiance_of_points)
+  HWY_DYNAMIC_DISPATCH(irradiance_of_lights)
   (lights, lights.needs_positions ? positions.data() : nullptr, normals.data(), out.data(), out.size());
 }
 
