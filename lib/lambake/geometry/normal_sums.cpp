@@ -57,23 +57,28 @@ double corner_weight(double doubled_area, const glm::dvec3& e1, const glm::dvec3
   return 0;
 }
 
+/// Number of a vertex's sum among those of the window; no less than their number if it is not one of them.
+inline std::uint32_t place_in(const NormalWindow& window, std::uint32_t v) {
+  return (window.group_of.empty() ? v : window.group_of[v]) - window.first;
+}
+
 /// What one face adds, by the equations as one reads them: where float does not do.
-/// @param group_of   null: each vertex is its own.
-/// @param is_wanted  by group; null: all are.
-void add_face_exactly(const glm::vec3* positions, const glm::uvec3& t, const std::uint32_t* group_of,
-                      NormalWeight weight, const char* is_wanted, NormalSum* sums) {
+/// @param is_wanted  by sum; null: all are.
+void add_face_exactly(const glm::vec3* positions, const glm::uvec3& t, NormalWeight weight,
+                      const char* is_wanted, const NormalWindow& window) {
   const glm::dvec3 p[3] = {glm::dvec3(positions[t[0]]), glm::dvec3(positions[t[1]]),
                            glm::dvec3(positions[t[2]])};
   const glm::dvec3 cross = area_vector(positions[t[0]], positions[t[1]], positions[t[2]]);
   const double length = glm::length(cross);
   if (!(length > 0)) return;
   for (int c = 0; c < 3; ++c) {
-    const std::uint32_t group = group_of == nullptr ? t[c] : group_of[t[c]];
-    if (is_wanted != nullptr && is_wanted[group] == 0) continue;
+    const std::uint32_t place = place_in(window, t[c]);
+    if (place >= window.sums.size() || (is_wanted != nullptr && is_wanted[place] == 0)) continue;
     const glm::dvec3 &here = p[c], &next = p[(c + 1) % 3], &last = p[(c + 2) % 3];
     const double w = corner_weight(length, next - here, last - here, weight);
-    for (int k = 0; k < 3; ++k) sums[group].normal[k] += cross[k] / length * w;
-    sums[group].weight += w;
+    NormalSum& sum = window.sums[place];
+    for (int k = 0; k < 3; ++k) sum.normal[k] += cross[k] / length * w;
+    sum.weight += w;
   }
 }
 
@@ -263,24 +268,50 @@ HWY_INLINE void gather(const glm::vec3* positions, const glm::uvec3* triangles, 
       std::memcpy(&corners[c][4 * i], &positions[triangles[i][c]], sizeof(glm::vec3));
 }
 
-/// @param group_of  null: each vertex is its own.
-template <NormalWeight weight>
+/// Of the `n` faces, from the one at `first` on, up to a block of those that have a corner in the window.
+/// @param first  moves behind the last one looked at. @returns how many there are in `block`.
+HWY_INLINE std::size_t select_faces(const glm::uvec3* triangles, std::size_t n, const NormalWindow& window,
+                                    std::size_t& first, glm::uvec3* block) {
+  std::size_t n_selected = 0;
+  for (; first < n && n_selected < n_in_block; ++first) {
+    const glm::uvec3& t = triangles[first];
+    const std::uint32_t nearest =
+        std::min({place_in(window, t[0]), place_in(window, t[1]), place_in(window, t[2])});
+    block[n_selected] = t;
+    n_selected += nearest < window.sums.size();
+  }
+  return n_selected;
+}
+
+/// @tparam is_whole  every corner of the faces is in the window.
+template <NormalWeight weight, bool is_whole>
 void add_all(const glm::vec3* positions, const glm::uvec3* triangles, std::size_t n,
-             const std::uint32_t* group_of, NormalSum* sums) {
+             const NormalWindow& window) {
   Block block{};
-  for (std::size_t first = 0; first < n; first += n_in_block) {
-    const std::size_t n_here = std::min(n_in_block, n - first);
-    gather(positions, triangles + first, n_here, block.corners);
+  glm::uvec3 selected[n_in_block];
+  for (std::size_t first = 0; first < n;) {
+    const glm::uvec3* faces = selected;
+    std::size_t n_here;
+    if constexpr (is_whole) {
+      faces = triangles + first;
+      n_here = std::min(n_in_block, n - first);
+      first += n_here;
+    } else {
+      n_here = select_faces(triangles, n, window, first, selected);
+    }
+    gather(positions, faces, n_here, block.corners);
     for (std::size_t i = 0; i < n_here; i += hn::Lanes(Doubles())) measure<weight>(block, i);
     for (std::size_t i = 0; i < n_here; i += hn::Lanes(Doubles())) weigh<weight>(block, i);
     for (std::size_t i = 0; i < n_here; ++i) {
-      const glm::uvec3& t = triangles[first + i];
+      const glm::uvec3& t = faces[i];
       if (std::isnan(block.corners[0][4 * i])) {
-        add_face_exactly(positions, t, group_of, weight, nullptr, sums);
+        add_face_exactly(positions, t, weight, nullptr, window);
         continue;
       }
       for (int c = 0; c < 3; ++c) {
-        double* const sum = sums[group_of == nullptr ? t[c] : group_of[t[c]]].normal;
+        const std::uint32_t place = place_in(window, t[c]);
+        if (!is_whole && place >= window.sums.size()) continue;
+        double* const sum = window.sums[place].normal;
         float added[4];
         std::memcpy(added, &block.corners[c][4 * i], sizeof added);
         for (int k = 0; k < 4; ++k) sum[k] += double(added[k]);
@@ -289,17 +320,26 @@ void add_all(const glm::vec3* positions, const glm::uvec3* triangles, std::size_
   }
 }
 
-void add_faces_of(const glm::vec3* positions, const glm::uvec3* triangles, std::size_t n,
-                  const std::uint32_t* group_of, NormalWeight weight, NormalSum* sums) {
+template <NormalWeight weight>
+void add_with(const glm::vec3* positions, const glm::uvec3* triangles, std::size_t n,
+              const NormalWindow& window, bool is_whole) {
+  if (is_whole)
+    add_all<weight, true>(positions, triangles, n, window);
+  else
+    add_all<weight, false>(positions, triangles, n, window);
+}
+
+void add_faces_of(const glm::vec3* positions, const glm::uvec3* triangles, std::size_t n, NormalWeight weight,
+                  const NormalWindow& window, bool is_whole) {
   switch (weight) {
     case NormalWeight::angle:
-      return add_all<NormalWeight::angle>(positions, triangles, n, group_of, sums);
+      return add_with<NormalWeight::angle>(positions, triangles, n, window, is_whole);
     case NormalWeight::area:
-      return add_all<NormalWeight::area>(positions, triangles, n, group_of, sums);
+      return add_with<NormalWeight::area>(positions, triangles, n, window, is_whole);
     case NormalWeight::uniform:
-      return add_all<NormalWeight::uniform>(positions, triangles, n, group_of, sums);
+      return add_with<NormalWeight::uniform>(positions, triangles, n, window, is_whole);
     case NormalWeight::max:
-      return add_all<NormalWeight::max>(positions, triangles, n, group_of, sums);
+      return add_with<NormalWeight::max>(positions, triangles, n, window, is_whole);
   }
 }
 
@@ -395,20 +435,21 @@ IndexRange index_range(std::span<const glm::uvec3> triangles, std::span<const st
 }
 
 void add_faces(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles,
-               std::span<const std::uint32_t> group_of, NormalWeight weight, std::span<NormalSum> sums) {
+               NormalWeight weight, const NormalWindow& window, IndexRange named) {
+  const bool is_whole = named.first >= window.first && named.last - window.first < window.sums.size();
   HWY_DYNAMIC_DISPATCH(add_faces_of)
-  (positions.data(), triangles.data(), triangles.size(), group_of.empty() ? nullptr : group_of.data(), weight,
-   sums.data());
+  (positions.data(), triangles.data(), triangles.size(), weight, window, is_whole);
 }
 
 void add_faces_exactly(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles,
-                       std::span<const std::uint32_t> group_of, NormalWeight weight,
-                       std::span<const char> is_wanted, std::span<NormalSum> sums) {
-  const auto is_named = [&](std::uint32_t v) { return is_wanted[group_of.empty() ? v : group_of[v]] != 0; };
+                       NormalWeight weight, const NormalWindow& window, std::span<const char> is_wanted) {
+  const auto is_named = [&](std::uint32_t v) {
+    const std::uint32_t place = place_in(window, v);
+    return place < window.sums.size() && is_wanted[place] != 0;
+  };
   for (const glm::uvec3& t : triangles)
     if (is_named(t.x) || is_named(t.y) || is_named(t.z))
-      add_face_exactly(positions.data(), t, group_of.empty() ? nullptr : group_of.data(), weight,
-                       is_wanted.data(), sums.data());
+      add_face_exactly(positions.data(), t, weight, is_wanted.data(), window);
 }
 
 bool is_uncertain(const NormalSum& sum) {

@@ -31,15 +31,24 @@ struct IndexRange {
 /// @param triangles  at least one. @param group_of  number of each vertex, or none: itself.
 IndexRange index_range(std::span<const glm::uvec3> triangles, std::span<const std::uint32_t> group_of);
 
-/// Adds the faces to the sums of their corners' groups, in the order of the faces: the same bits on every
-/// vector path. A share is right to float's accuracy, some 1e-7 of itself, for slivers too.
-void add_faces(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles,
-               std::span<const std::uint32_t> group_of, NormalWeight weight, std::span<NormalSum> sums);
+/// The sums of consecutive groups; what faces add to other groups is left to other windows.
+struct NormalWindow {
+  std::span<const std::uint32_t> group_of;  ///< Of each vertex, or none: itself.
+  std::uint32_t first = 0;                  ///< The group of the first sum.
+  std::span<NormalSum> sums;
+};
 
-/// The same in double, for the groups alone that are wanted.
+/// Adds the faces to the sums of their corners' groups, in the order of the faces: the same bits on every
+/// vector path, and whatever the window. A share is right to float's accuracy, some 1e-7 of itself, for
+/// slivers too.
+/// @param named  range of the groups that the triangles name: faces are picked only where it leaves the
+/// window.
+void add_faces(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles,
+               NormalWeight weight, const NormalWindow& window, IndexRange named);
+
+/// The same in double, for the groups alone that are wanted. @param is_wanted  by sum.
 void add_faces_exactly(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles,
-                       std::span<const std::uint32_t> group_of, NormalWeight weight,
-                       std::span<const char> is_wanted, std::span<NormalSum> sums);
+                       NormalWeight weight, const NormalWindow& window, std::span<const char> is_wanted);
 
 /// True for a sum that is short, as its faces look apart: the shares of add_faces() are not exact enough for
 /// it.

@@ -19,108 +19,102 @@ glm::dvec3 area_vector(const Mesh& mesh, std::size_t f) {
   return lambake::area_vector(mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]);
 }
 
-/// Faces that are added one after the other; others may be added at the same time.
+/// Consecutive faces.
 struct Chunk {
-  std::size_t begin, end;  // Faces.
-  IndexRange groups;       // That they name.
+  std::size_t begin, end;
+  IndexRange groups;  // That they name.
 };
 
-/// Chunks in rounds: those of one round name different groups, so that they can be added side by side, and a
-/// group's faces always come in the same order. Meshes number neighbours alike, so there are few rounds; in
-/// the worst case each chunk is one.
-std::vector<std::vector<Chunk>> rounds_of_chunks(const Mesh& mesh, std::span<const std::uint32_t> group_of) {
-  constexpr std::size_t chunk_size = 16384;
-  std::vector<Chunk> chunks((mesh.n_triangles() + chunk_size - 1) / chunk_size);
-  parallel_blocks(mesh.n_triangles(), chunk_size, [&](std::size_t begin, std::size_t end) {
-    const std::span<const glm::uvec3> triangles(mesh.triangles);
-    chunks[begin / chunk_size] = {begin, end, index_range(triangles.subspan(begin, end - begin), group_of)};
-  });
-  std::vector<std::vector<Chunk>> rounds;
-  for (const Chunk& chunk : chunks) {
-    const auto meets = [&chunk](const Chunk& other) {
-      return other.groups.first <= chunk.groups.last && chunk.groups.first <= other.groups.last;
-    };
-    const auto found = std::find_if(rounds.begin(), rounds.end(), [&](const std::vector<Chunk>& round) {
-      return std::none_of(round.begin(), round.end(), meets);
-    });
-    (found == rounds.end() ? rounds.emplace_back() : *found).push_back(chunk);
-  }
-  return rounds;
-}
-
 /// What vertex_normals() works on: the faces, and the groups of vertices that get one normal each.
+///
+/// Windows of groups are done side by side, each by all faces that name one of its groups, in their order. A
+/// face at the border of windows is computed for each of them.
 class GroupNormals {
  public:
   GroupNormals(const Mesh& mesh, NormalWeight weight)
       : mesh_(mesh),
         weight_(weight),
-        group_of_(mesh.normal_groups.empty() ? mesh.source_vertices : mesh.normal_groups) {
-    std::size_t n_groups = group_of_.empty() ? mesh.n_vertices() : 0;
-    for (const std::uint32_t g : group_of_) n_groups = std::max<std::size_t>(n_groups, g + 1);
-    storage_ = std::make_unique_for_overwrite<NormalSum[]>(n_groups);
-    sums_ = {storage_.get(), n_groups};
-    rounds_ = rounds_of_chunks(mesh, group_of_);
+        group_of_(mesh.normal_groups.empty() ? mesh.source_vertices : mesh.normal_groups),
+        n_groups_(group_of_.empty() ? mesh.n_vertices() : 0),
+        chunks_((mesh.n_triangles() + chunk_size - 1) / chunk_size) {
+    for (const std::uint32_t g : group_of_) n_groups_ = std::max<std::size_t>(n_groups_, g + 1);
+    parallel_blocks(mesh.n_triangles(), chunk_size, [&](std::size_t begin, std::size_t end) {
+      chunks_[begin / chunk_size] = {begin, end, index_range(faces_from(begin, end), group_of_)};
+    });
   }
 
   VertexNormals run() {
-    parallel_blocks(sums_.size(), block_size, [&](std::size_t begin, std::size_t end) {
-      std::fill_n(&sums_[begin], end - begin, NormalSum{});
-    });
-    for_each_chunk([&](std::span<const glm::uvec3> triangles) {
-      add_faces(mesh_.positions, triangles, group_of_, weight_, sums_);
-    });
     VertexNormals result;
-    result.normals.resize(sums_.size());
-    UnitNormalCounts counts = make_units(result.normals);
-    if (counts.n_uncertain > 0) {
-      sum_uncertain_again();
-      counts = make_units(result.normals);
-    }
+    result.normals.resize(n_groups_);
+    std::atomic<std::size_t> n_without{0};
+    parallel_blocks(n_groups_, window_size(), [&](std::size_t begin, std::size_t end) {
+      n_without += sum_window(begin, std::span(result.normals).subspan(begin, end - begin));
+    });
     if (!group_of_.empty()) {
       std::vector<glm::vec3> normals(mesh_.n_vertices());
       for (std::size_t v = 0; v < normals.size(); ++v) normals[v] = result.normals[group_of_[v]];
       result.normals = std::move(normals);
     }
-    if (counts.n_without > 0) result.undefined = count_undefined(result.normals);
+    if (n_without > 0) result.undefined = count_undefined(result.normals);
     return result;
   }
 
  private:
+  static constexpr std::size_t chunk_size = 2048;
+
+  std::span<const glm::uvec3> faces_from(std::size_t begin, std::size_t end) const {
+    return std::span(mesh_.triangles).subspan(begin, end - begin);
+  }
+
   template <typename Body>
-  void for_each_chunk(const Body& body) {
-    const std::span<const glm::uvec3> triangles(mesh_.triangles);
-    for (const std::vector<Chunk>& round : rounds_)
-      parallel_blocks(round.size(), 1, [&](std::size_t i, std::size_t) {
-        body(triangles.subspan(round[i].begin, round[i].end - round[i].begin));
-      });
+  void for_each_chunk(std::size_t first_group, std::size_t n, const Body& body) const {
+    for (const Chunk& chunk : chunks_)
+      if (chunk.groups.last >= first_group && chunk.groups.first < first_group + n)
+        body(faces_from(chunk.begin, chunk.end), chunk.groups);
   }
 
-  UnitNormalCounts make_units(std::span<glm::vec3> normals) const {
-    std::atomic<std::size_t> n_without{0}, n_uncertain{0};
-    parallel_blocks(sums_.size(), block_size, [&](std::size_t begin, std::size_t end) {
-      const UnitNormalCounts counts =
-          unit_normals(sums_.subspan(begin, end - begin), normals.subspan(begin, end - begin));
-      n_without += counts.n_without;
-      n_uncertain += counts.n_uncertain;
+  /// Groups in a window: their sums stay in the level 2 cache where neighbours are numbered alike. Where they
+  /// are not, so that most chunks meet most windows, one window for each thread.
+  std::size_t window_size() const {
+    constexpr std::size_t in_cache = 16384;
+    std::size_t n_meetings = 0;
+    for (const Chunk& chunk : chunks_)
+      n_meetings += chunk.groups.last / in_cache - chunk.groups.first / in_cache + 1;
+    if (n_meetings <= 2 * chunks_.size()) return in_cache;
+    return std::max(in_cache, (n_groups_ + thread_count() - 1) / thread_count());
+  }
+
+  /// @returns how many of the groups have no direction.
+  std::size_t sum_window(std::size_t first, std::span<glm::vec3> normals) const {
+    const auto storage = std::make_unique_for_overwrite<NormalSum[]>(normals.size());
+    const NormalWindow window{group_of_, static_cast<std::uint32_t>(first), {storage.get(), normals.size()}};
+    std::fill(window.sums.begin(), window.sums.end(), NormalSum{});
+    for_each_chunk(first, normals.size(), [&](std::span<const glm::uvec3> triangles, IndexRange named) {
+      add_faces(mesh_.positions, triangles, weight_, window, named);
     });
-    return {n_without, n_uncertain};
+    UnitNormalCounts counts = unit_normals(window.sums, normals);
+    if (counts.n_uncertain > 0) {
+      sum_uncertain_again(window);
+      counts = unit_normals(window.sums, normals);
+    }
+    return counts.n_without;
   }
 
-  void sum_uncertain_again() {
-    std::vector<char> is_wanted(sums_.size());
-    for (std::size_t g = 0; g < sums_.size(); ++g) {
-      is_wanted[g] = is_uncertain(sums_[g]);
-      if (is_wanted[g] != 0) sums_[g] = NormalSum{};
+  void sum_uncertain_again(const NormalWindow& window) const {
+    std::vector<char> is_wanted(window.sums.size());
+    for (std::size_t i = 0; i < is_wanted.size(); ++i) {
+      is_wanted[i] = is_uncertain(window.sums[i]);
+      if (is_wanted[i] != 0) window.sums[i] = NormalSum{};
     }
-    for_each_chunk([&](std::span<const glm::uvec3> triangles) {
-      add_faces_exactly(mesh_.positions, triangles, group_of_, weight_, is_wanted, sums_);
+    for_each_chunk(window.first, is_wanted.size(), [&](std::span<const glm::uvec3> triangles, IndexRange) {
+      add_faces_exactly(mesh_.positions, triangles, weight_, window, is_wanted);
     });
   }
 
   /// Vertices of a face that have no direction.
   std::size_t count_undefined(std::span<const glm::vec3> normals) const {
     const auto group = [&](std::uint32_t v) { return group_of_.empty() ? v : group_of_[v]; };
-    std::vector<bool> is_used(sums_.size(), false);
+    std::vector<bool> is_used(n_groups_, false);
     for (const glm::uvec3& t : mesh_.triangles)
       for (int c = 0; c < 3; ++c) is_used[group(t[c])] = true;
     std::size_t n = 0;
@@ -131,9 +125,8 @@ class GroupNormals {
   const Mesh& mesh_;
   NormalWeight weight_;
   std::span<const std::uint32_t> group_of_;  // By vertex, or none: each its own.
-  std::unique_ptr<NormalSum[]> storage_;
-  std::span<NormalSum> sums_;  // By group.
-  std::vector<std::vector<Chunk>> rounds_;
+  std::size_t n_groups_;
+  std::vector<Chunk> chunks_;
 };
 
 }  // namespace
