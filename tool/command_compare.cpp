@@ -19,6 +19,7 @@
 #include "lambake/measure/light_share.h"
 #include "lambake/measure/surface_error.h"
 #include "lambake/render/framing.h"
+#include "lambake/render/parent_hits.h"
 #include "lambake/render/shade.h"
 #include "lambake/report/report.h"
 #include "options.h"
@@ -67,21 +68,6 @@ void check_metrics(const std::vector<Threshold>& thresholds) {
   }
 }
 
-/// Pixels that only one of two meshes with the same surface covers, by rounding of moved edges, are not
-/// compared.
-std::size_t keep_common_pixels(Visibility& visibility, const Visibility& other) {
-  std::size_t n_dropped = 0;
-  for (std::size_t i = 0; i < visibility.triangles.size(); ++i) {
-    if ((visibility.triangles[i] == no_triangle) == (other.triangles[i] == no_triangle)) continue;
-    ++n_dropped;
-    if (visibility.triangles[i] != no_triangle) {
-      visibility.triangles[i] = no_triangle;
-      --visibility.n_covered;
-    }
-  }
-  return n_dropped;
-}
-
 /// Both pictures of every view and their errors; those of the first view stay for the report.
 void compare_views(const CompareCommand& command, const Scene& scene, const BakedColors& baked,
                    Console& console, Comparison& comparison) {
@@ -96,18 +82,11 @@ void compare_views(const CompareCommand& command, const Scene& scene, const Bake
   console.stage("pictures");
   const Progress progress = console.progress();
   std::vector<ImageError> linear, display;
-  std::size_t n_edge_pixels = 0;
   for (std::size_t i = 0; i < cameras.size(); ++i) {
     report_progress(progress, "pictures", static_cast<double>(i) / static_cast<double>(cameras.size()));
-    Visibility visibility = find_visibility(scene, scene.mesh, cameras[i], size.x, size.y);
-    Picture per_vertex;
-    if (baked.mesh) {
-      const Visibility of_baked = find_visibility(scene, *baked.mesh, cameras[i], size.x, size.y);
-      n_edge_pixels += keep_common_pixels(visibility, of_baked);
-      per_vertex = shade_per_vertex(scene, baked, of_baked);
-    } else {
-      per_vertex = shade_per_vertex(scene, baked, visibility);
-    }
+    Visibility visibility = find_visibility(scene, mesh_of(scene, baked), cameras[i], size.x, size.y);
+    Picture per_vertex = shade_per_vertex(scene, baked, visibility);
+    visibility = parent_hits(scene, baked, std::move(visibility));
     Picture per_fragment = shade_per_fragment(scene, visibility);
     linear.push_back(compare_pictures(per_vertex, per_fragment, visibility, ErrorSpace::linear));
     display.push_back(compare_pictures(per_vertex, per_fragment, visibility, ErrorSpace::display));
@@ -120,9 +99,6 @@ void compare_views(const CompareCommand& command, const Scene& scene, const Bake
   comparison.n_views = cameras.size();
   comparison.image_linear = combine(linear);
   comparison.image_display = combine(display);
-  add_finding(
-      comparison.findings, "edge_pixels", n_edge_pixels,
-      "pixel[ is|s are] covered by only one of the two meshes (rounding at silhouettes); not compared");
 }
 
 /// Says what was exceeded; the exit code.

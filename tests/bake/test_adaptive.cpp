@@ -211,6 +211,18 @@ TEST(Adaptive, StoredColours_AreWhatIsCertified) {
   EXPECT_LE(surface_error(scene, baked, ErrorSpace::display).max_sampled, 8.0 / 255);
 }
 
+// Rounding takes half of the tolerance; what is left is cut for, and the colours are balanced within it.
+TEST(Adaptive, BytesOfPly_AreCertifiedWithLittleMore) {
+  const Scene scene = scene_of(torus_knot(240, 24, 0.2f), {sun({0.4f, 1, 0.3f})});
+  BakeOptions options{.method = BakeMethod::adaptive};
+  const std::size_t n_exact = bake(scene, options).mesh->n_triangles();
+  options.as_stored = [](const LinearRgb& c) { return to_linear(to_srgb8(c)); };
+  const BakedColors baked = bake(scene, options);
+  EXPECT_TRUE(baked.certificate->is_certified);
+  EXPECT_LE(surface_error(scene, baked, ErrorSpace::display).max_sampled, 1.0 / 255);
+  EXPECT_LT(baked.mesh->n_triangles(), n_exact * 5 / 4);
+}
+
 // What a clipped colour loses no cut brings back: cutting would never end.
 TEST(Adaptive, ColoursThatTheOutputClips_AreToldAndNotCutFor) {
   Scene scene = scene_of(icosphere(2), {sun({0.4f, 1, 0.3f}, {1.5f, 1.5f, 1.5f})});

@@ -92,6 +92,7 @@ class AdaptiveBake {
         finishes_(scene),
         bounds_(scene.mesh.n_triangles(), infinity),
         max_vertices_(options.max_vertices > 0 ? options.max_vertices : 8 * scene.mesh.n_vertices() + 65536),
+        left_by_rounding_(options.tolerance - colors_.rounding()),
         shortest_side_(shortest_share * largest_coordinate(scene.mesh)) {}
 
   BakedColors run() {
@@ -99,7 +100,7 @@ class AdaptiveBake {
     Certificate& certificate = baked.certificate.emplace();
     certificate.space = options_.tolerance_space;
     certificate.smallest_angle_before = smallest_angle();
-    cut_until(left_to_balancing * options_.tolerance);
+    cut_until(colors_.rounding() + left_to_balancing * left_by_rounding_);
     bound(above(options_.tolerance), options_.tolerance);
     for (int pass = 0; pass < balancing_passes && !is_late(); ++pass) balance();
     cut_until(options_.tolerance);
@@ -183,7 +184,7 @@ class AdaptiveBake {
           exact[c] = {e.r, e.g, e.b};
         }
         shifts[i] = balancing_shifts(patch, exact, finish, scene_.lights, lights, known.found_at,
-                                     balanced_share * options_.tolerance, options_.tolerance_space);
+                                     balanced_share * left_by_rounding_, options_.tolerance_space);
       }
     });
     for (std::size_t i = 0; i < open.size(); ++i)
@@ -418,6 +419,7 @@ class AdaptiveBake {
   Finishes finishes_;
   std::vector<double> bounds_;  ///< F'; infinite until known.
   std::size_t max_vertices_;
+  double left_by_rounding_;  ///< What the output's rounding leaves of the tolerance.
   double shortest_side_;
   bool has_room_ = true;  ///< Whether max_vertices leaves any.
 };

@@ -20,6 +20,15 @@ CutColors::CutColors(const Scene& scene, const BakeOptions& options, const CutMe
   materials_.resize(scene.mesh.n_vertices(), 0);
   for (std::size_t f = 0; f < scene.mesh.n_triangles(); ++f)
     for (int c = 0; c < 3; ++c) materials_[scene.mesh.triangles[f][c]] = scene.mesh.material_of(f);
+  if (options.as_stored) {
+    constexpr int n_greys = 1000;  // Clipped is none of them.
+    for (int i = 1; i < n_greys; ++i) {
+      const float grey = static_cast<float>(i) / n_greys;
+      const LinearRgb color{grey, grey, grey};
+      rounding_ = std::max(rounding_, loss(Material(), color, options.as_stored(color)));
+    }
+    if (rounding_ > 0.51 * options.tolerance) rounding_ = 0;
+  }
   add_new_vertices();
 }
 
@@ -112,10 +121,10 @@ void CutColors::move(std::size_t v) {
   if (!is_spoilt_[v]) colors_[v] = stored_[v];
 }
 
-bool CutColors::spoils(const Material& material, const LinearRgb& color, const LinearRgb& stored) const {
+double CutColors::loss(const Material& material, const LinearRgb& color, const LinearRgb& stored) const {
   const bool has_texture =
       material.base_color_texture != no_texture || material.emission_texture != no_texture;
-  const auto loss = [&](double was, double is, double base, double emission) {
+  const auto of_channel = [&](double was, double is, double base, double emission) {
     if (options_.tolerance_space == ErrorSpace::linear) return std::abs(was - is);
     // Behind a texture what is above 1 may still be seen.
     if (has_texture) return std::abs(srgb_encode(was) - srgb_encode(is));
@@ -123,8 +132,13 @@ bool CutColors::spoils(const Material& material, const LinearRgb& color, const L
                     compared(emission + base * is, ErrorSpace::display));
   };
   const LinearRgb &base = material.base_color, &emission = material.emission;
-  return std::max({loss(color.r, stored.r, base.r, emission.r), loss(color.g, stored.g, base.g, emission.g),
-                   loss(color.b, stored.b, base.b, emission.b)}) > 0.25 * options_.tolerance;
+  return std::max({of_channel(color.r, stored.r, base.r, emission.r),
+                   of_channel(color.g, stored.g, base.g, emission.g),
+                   of_channel(color.b, stored.b, base.b, emission.b)});
+}
+
+bool CutColors::spoils(const Material& material, const LinearRgb& color, const LinearRgb& stored) const {
+  return loss(material, color, stored) > std::max(0.25 * options_.tolerance, 1.02 * rounding_);
 }
 
 void CutColors::take_stored() {

@@ -14,9 +14,9 @@ namespace lambake {
 /// The colours of a mesh that is being cut; internal to the folder. Each vertex has the reference there,
 /// moved by what balancing has asked for, as the output stores it.
 ///
-/// Where the output spoils a colour (clips what the screen would not clip as well, or rounds away more than a
-/// quarter of the tolerance), no cut around the vertex can mend that, so cuts are chosen for the colour as it
-/// should be.
+/// Where the output spoils a colour (clips what the screen would not clip as well, or rounds away more than
+/// the tolerance has room for), no cut around the vertex can mend that, so cuts are chosen for the colour as
+/// it should be.
 class CutColors {
  public:
   /// The arguments must outlive it. V' is always that of `cut`.
@@ -40,6 +40,10 @@ class CutColors {
   /// @returns V': whether the colour has changed.
   std::vector<char> move_back(const std::vector<char>& is_marked_place);
 
+  /// What rounding in the output takes of the tolerance, as compared; 0 where it takes more than half, so
+  /// that colours are spoilt by it.
+  double rounding() const { return rounding_; }
+
   bool is_spoilt(std::size_t v) const { return !is_spoilt_.empty() && is_spoilt_[v]; }
   /// Puts the colours as the output stores them everywhere, spoilt ones too.
   void take_stored();
@@ -50,11 +54,13 @@ class CutColors {
   std::vector<char> move_all();
   void share_among_copies();
   const Material& material(std::size_t v) const { return scene_.materials[materials_[v]]; }
+  double loss(const Material& material, const LinearRgb& color, const LinearRgb& stored) const;
   bool spoils(const Material& material, const LinearRgb& color, const LinearRgb& stored) const;
 
   const Scene& scene_;
   const BakeOptions& options_;
   const CutMesh& cut_;
+  double rounding_ = 0;
   std::vector<std::uint32_t> all_lights_;
   std::vector<std::uint32_t> materials_;  ///< V': that of its triangles, which are of one material.
   std::vector<LinearRgb> exact_;          ///< V'

@@ -14,9 +14,11 @@
 namespace lambake {
 namespace {
 
-/// Position and normal as float, colour as u16 RGBA, three indices of 32 bit: as a GLB without textures.
+/// Position and normal as float, colour as u16 RGBA, three indices of 16 or 32 bit: as a GLB of one material
+/// without textures.
 std::size_t bytes_of(const Mesh& mesh) {
-  return mesh.n_vertices() * (12 + 12 + 8) + mesh.n_triangles() * 12;
+  const std::size_t index = mesh.n_vertices() < 65536 ? 2 : 4;
+  return mesh.n_vertices() * (12 + 12 + 8) + mesh.n_triangles() * 3 * index;
 }
 
 std::string steps(double error) {
@@ -31,8 +33,8 @@ std::string verdict(const Selection& selection, const BakeOptions& options, std:
     if (finding.code == "triangles_open_by_storage" && selection.baked.certificate &&
         finding.count == selection.baked.certificate->open_triangles)
       return fmt::format(
-          "{} → {} vertices would do for {}, but the output clips bright colours: up to {} off; "
-          "lower the exposure",
+          "{} → {} vertices would do for {}, but the output clips or rounds colours: up to {} off; "
+          "a lower exposure or finer colours help",
           group_digits(n_vertices), count, steps(options.tolerance), steps(best.max_bound));
   if (!selection.is_certified)
     return fmt::format("per-pixel lighting is needed: even {} vertices leave up to {} where {} is asked",
