@@ -62,9 +62,10 @@ void add_bake_options(CLI::App& command, BakeMethodOptions& options) {
                   "adaptive, auto: display (as a screen shows it) or linear")
       ->check(CLI::IsMember({"display", "linear"}))
       ->capture_default_str();
-  command.add_option(
-      "--max-vertices", options.max_vertices,
-      "adaptive, auto: stop cutting before there are more; 0 is 8 times the scene's and 65,536");
+  command
+      .add_option("--max-vertices", options.max_vertices,
+                  "adaptive, auto: stop cutting before there are more; 0 is 8 times the scene's and 65,536")
+      ->check(CLI::Range(std::int64_t{0}, std::int64_t{1} << 32));
   command
       .add_option("--max-seconds", options.max_seconds,
                   "adaptive, auto: stop cutting after this time; 0 is no limit")
@@ -86,6 +87,8 @@ void add_bake_options(CLI::App& command, BakeMethodOptions& options) {
 }
 
 BakeOptions bake_options(const BakeMethodOptions& options, Console& console) {
+  if (!std::isfinite(options.max_seconds)) throw InvalidOption("--max-seconds: expected a finite number");
+  if (std::isnan(options.light_tolerance)) throw InvalidOption("--light-tolerance: expected a number");
   BakeOptions result;
   result.method = method_named(options.method);
   result.tolerance = parse_tolerance(options.tolerance);

@@ -69,7 +69,8 @@ int bake_and_write(const BakeCommand& command) {
   if (!command.scene.json && !command.scene.quiet) {
     if (result.selection) fmt::print("{}\n", result.selection->sentence);
     if (const std::optional<Certificate>& c = baked.certificate; c && !result.selection)
-      fmt::print("{}: at most {:.3g}/255 from per-pixel lighting anywhere\n",
+      fmt::print("{}{}: at most {:.3g}/255 from per-pixel lighting anywhere\n",
+                 command.outputs.size() > 1 ? command.outputs.front() + ", " : "",
                  c->is_certified ? "certified" : "not certified", c->max_bound * 255);
   }
   json["findings"] = findings_json(findings);

@@ -30,6 +30,7 @@ void write_text(const std::string& path, const std::string& text) {
 int chart_and_write(const ChartCommand& command, const std::string& command_line) {
   Console console(command.scene.quiet);
   Stopwatch stopwatch;
+  check_output_folder(command.folder);
   const LoadedScene loaded = load_scene(command.scene, console, stopwatch);
   console.stage("measuring");
   ChartRun run =

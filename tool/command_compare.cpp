@@ -38,34 +38,45 @@ struct CompareCommand {
 };
 
 struct Threshold {
-  std::string metric;  ///< Dotted path into report.json.
+  std::string metric;  ///< Dotted path into report.json; without dots, in image.display if it is there.
   double value = 0;
 };
 
-/// A metric without a path is of the picture on screen.
 Threshold parse_threshold(const std::string& text) {
   const std::size_t equals = text.find('=');
   if (equals == std::string::npos || equals == 0)
     throw InvalidOption(fmt::format("--fail-above: expected METRIC=VALUE, found \"{}\"", text));
-  std::string metric = text.substr(0, equals);
-  if (metric.find('.') == std::string::npos) metric = "image.display." + metric;
-  return {metric, parse_numbers("--fail-above", text.substr(equals + 1), 1, 1).front()};
+  return {text.substr(0, equals), parse_numbers("--fail-above", text.substr(equals + 1), 1, 1).front()};
 }
 
-nlohmann::ordered_json::json_pointer pointer_to(const std::string& metric) {
-  std::string pointer = "/" + metric;
-  std::replace(pointer.begin(), pointer.end(), '.', '/');
-  return nlohmann::ordered_json::json_pointer(pointer);
+/// The number that a metric names, or null if there is none.
+const nlohmann::ordered_json* find_number(const nlohmann::ordered_json& report, const std::string& metric) {
+  const auto at = [&](std::string path) -> const nlohmann::ordered_json* {
+    std::replace(path.begin(), path.end(), '.', '/');
+    const nlohmann::ordered_json::json_pointer pointer("/" + path);
+    if (!report.contains(pointer)) return nullptr;
+    const auto& value = report[pointer];
+    return value.is_number() || value.is_null() ? &value : nullptr;
+  };
+  const bool has_path = metric.find('.') != std::string::npos;
+  const auto* const on_screen = has_path ? nullptr : at("image.display." + metric);
+  return on_screen != nullptr ? on_screen : at(metric);
 }
 
-/// Throws InvalidOption unless every report has such a number; before any work is done.
+[[noreturn]] void fail_without(const std::string& metric) {
+  throw InvalidOption(fmt::format("--fail-above: report.json has no number \"{}\"", metric));
+}
+
+/// Throws InvalidOption unless a report can have such numbers; before any work is done.
 void check_metrics(const std::vector<Threshold>& thresholds) {
-  const auto report = nlohmann::ordered_json::parse(report_json({}));
-  for (const Threshold& threshold : thresholds) {
-    const auto pointer = pointer_to(threshold.metric);
-    if (!report.contains(pointer) || !(report[pointer].is_number() || report[pointer].is_null()))
-      throw InvalidOption(fmt::format("--fail-above: report.json has no number \"{}\"", threshold.metric));
-  }
+  Comparison all;  // With what only some reports have.
+  all.max_bound_linear = all.max_bound_display = 0;
+  all.surface_display.worst.resize(1);
+  all.light_shares.resize(1);
+  all.trials.resize(1);
+  const auto report = nlohmann::ordered_json::parse(report_json(all));
+  for (const Threshold& threshold : thresholds)
+    if (find_number(report, threshold.metric) == nullptr) fail_without(threshold.metric);
 }
 
 /// Both pictures of every view and their errors; those of the first view stay for the report.
@@ -105,8 +116,9 @@ void compare_views(const CompareCommand& command, const Scene& scene, const Bake
 int check_thresholds(const std::vector<Threshold>& thresholds, const nlohmann::ordered_json& report) {
   int exit_code = 0;
   for (const Threshold& threshold : thresholds) {
-    const auto& value = report[pointer_to(threshold.metric)];
-    const double found = value.is_null() ? INFINITY : value.get<double>();  // JSON has no infinity: null.
+    const auto* const value = find_number(report, threshold.metric);
+    if (value == nullptr) fail_without(threshold.metric);
+    const double found = value->is_null() ? INFINITY : value->get<double>();  // JSON has no infinity: null.
     if (!(found > threshold.value)) continue;
     fmt::print(stderr, "lambake: {} is {}, above {}\n", threshold.metric, found, threshold.value);
     exit_code = 1;
@@ -149,6 +161,7 @@ int compare_and_write(const CompareCommand& command, const std::string& command_
   std::vector<Threshold> thresholds;
   for (const std::string& text : command.thresholds) thresholds.push_back(parse_threshold(text));
   check_metrics(thresholds);
+  check_output_folder(command.folder);
   picture_size(command.camera);
 
   LoadedScene loaded = load_scene(command.scene, console, stopwatch);

@@ -1,9 +1,16 @@
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
 #include <exception>
+#include <filesystem>
 #include <new>
 #include <string>
+#include <system_error>
 
 #include "commands.h"
 #include "lambake/core/error.h"
@@ -30,6 +37,9 @@ std::string quoted_command_line(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  // A standard stream that is closed would be the next file that is opened.
+  for (int stream = 0; stream <= 2; ++stream)
+    if (::fcntl(stream, F_GETFD) == -1 && ::open("/dev/null", O_RDWR) == -1) return 3;
   constexpr int usage_error = 2, our_fault = 5;
   CLI::App app{
       "lambake: Lambertian light per vertex, per pixel, and the difference.\n"
@@ -58,10 +68,19 @@ int main(int argc, char** argv) {
     return usage_error;
   }
   try {
-    return run(quoted_command_line(argc, argv));
+    const int exit_code = run(quoted_command_line(argc, argv));
+    if (std::fflush(stdout) != 0)
+      throw lambake::IoError("standard output", std::string("cannot be written: ") + std::strerror(errno));
+    return exit_code;
   } catch (const lambake::Error& error) {
     fmt::print(stderr, "lambake: {}\n", error.what());
     return error.exit_code();
+  } catch (const std::filesystem::filesystem_error& error) {
+    fmt::print(stderr, "lambake: {}\n", error.what());
+    return 3;
+  } catch (const std::system_error& error) {  // fmt's, of a standard stream
+    fmt::print(stderr, "lambake: standard output: cannot be written: {}\n", error.what());
+    return 3;
   } catch (const std::bad_alloc&) {
     fmt::print(stderr, "lambake: not enough memory for this scene\n");
     return 4;

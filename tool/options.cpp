@@ -69,6 +69,7 @@ void add_lights(const SceneOptions& options, LoadedScene& loaded) {
     loaded.notes.push_back(
         "no light given: one white sun from 0.4,1,0.3 (choose with --sun, --lamp or --lights)");
   }
+  if (lights.empty()) loaded.notes.push_back("no light at all: only emission and unlit materials show");
   std::size_t n_suns = 0, n_lamps = 0, n_spots = 0;
   for (Light& light : lights) {
     std::size_t& n = light.type == LightType::directional ? n_suns
@@ -209,7 +210,7 @@ void add_scene_options(CLI::App& command, SceneOptions& options) {
   command.add_option("--crease-angle-deg", options.crease_angle_deg,
                      "split vertices where faces meet at more than this");
   command.add_option("--exposure", options.exposure_stops, "scale lights and emission by 2^STOPS");
-  command.add_option("--threads", options.threads, "number of threads; 0 is all");
+  command.add_option("--threads", options.threads, "number of threads; 0 is all")->check(CLI::Range(0, 4096));
   command.add_flag("--json", options.json, "numbers as JSON on standard output, nothing else there");
   command.add_flag("--quiet", options.quiet, "say nothing but errors");
 }
@@ -235,6 +236,11 @@ LoadedScene load_scene(const SceneOptions& options, Console& console, Stopwatch&
   apply_exposure(options.exposure_stops, loaded.file.scene);
   make_normals(options, loaded);
   stopwatch.lap("normals");
+  const Scene& scene = loaded.file.scene;
+  std::size_t n_lit = 0;
+  for (std::size_t f = 0; f < scene.mesh.n_triangles(); ++f)
+    n_lit += !scene.materials[scene.mesh.material_of(f)].is_unlit;
+  if (n_lit == 0) loaded.notes.push_back("every material is unlit: colours stay as they are, nothing is lit");
   for (const std::string& note : loaded.notes) console.note(note);
   console.tell(loaded.file.findings);
   return loaded;

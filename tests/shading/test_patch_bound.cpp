@@ -97,6 +97,59 @@ TEST(PatchBound, NormalsOfOneDirection_ShowNoError) {
   }
 }
 
+/// The bound of what sampled colours leave under one white lamp on a triangle that faces +z, and the error at
+/// places between its corners.
+void expect_bounded(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, const Light& lamp) {
+  Patch patch;
+  patch.positions = {a, b, c};
+  patch.normals = {glm::dvec3(0, 0, 1), glm::dvec3(0, 0, 1), glm::dvec3(0, 0, 1)};
+  const std::vector<Light> lights{lamp};
+  const std::vector<std::uint32_t> all{0};
+  for (int k = 0; k < 3; ++k) {
+    glm::dvec3 corner(0);
+    corner[k] = 1;
+    patch.colors[k] = reference_at(patch, lights, all, false, corner);
+  }
+  FinishRange finish;
+  finish.base_low = finish.base_high = glm::dvec3(1);
+  for (const int max_parts : {1, 400}) {
+    BoundOptions options;
+    options.max_parts = max_parts;
+    options.space = ErrorSpace::display;
+    const PatchBound result = bound_patch(patch, finish, lights, all, options);
+    constexpr int n = 40;
+    for (int i = 0; i <= n; ++i)
+      for (int j = 0; i + j <= n; ++j) {
+        const glm::dvec3 place = glm::dvec3(i, j, n - i - j) / double(n);
+        const double f = reference_at(patch, lights, all, false, place).r, g = (patch.colors * place).r;
+        const double error = std::abs(compared(f, options.space) - compared(g, options.space));
+        EXPECT_LE(error, result.bound) << max_parts << " parts, at " << place.x << ", " << place.y;
+      }
+  }
+}
+
+// The enclosures of quadratic parts must not cancel where one side is next to nothing.
+TEST(PatchBound, NeedleUnderALamp_IsBounded) {
+  Light lamp;
+  lamp.type = LightType::point;
+  lamp.position = {0, 0.5f, 0.05f};
+  lamp.intensity = LinearRgb{1, 1, 1} * 1e-4f;
+  for (const double half : {5.5e-9, 1e-8, 3e-8, 1e-6})
+    expect_bounded({-half, 0, 0}, {half, 0, 0}, {0, 1, 0}, lamp);
+}
+
+// Powers that leave double give no number, which is no bound of 0.
+TEST(PatchBound, SteepestFalloff_IsBounded) {
+  Light lamp;
+  lamp.type = LightType::point;
+  for (const float decay : {60.0f, 120.0f, 400.0f})
+    for (const float height : {0.1f, 0.26f, 0.9f}) {
+      lamp.decay = decay;
+      lamp.position = {0.3f, 0.3f, height};
+      expect_bounded({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, lamp);
+    }
+}
+
 TEST(PatchBound, MillionRandomCases_NoSampleIsAboveTheBound) {
 #ifdef __SANITIZE_ADDRESS__
   constexpr std::size_t n_cases = 50'000;  // ten times slower there

@@ -98,7 +98,11 @@ GltfJson parse_json(std::span<const unsigned char> text, const std::string& path
   try {
     return GltfJson::parse(text.begin(), text.end(), check_depth);
   } catch (const GltfJson::exception& error) {
-    throw IoError(path, std::string("expected JSON: ") + error.what());
+    // What it found may be a megabyte of data.
+    constexpr std::size_t longest = 300;
+    std::string reason = error.what();
+    if (reason.size() > longest) reason = reason.substr(0, longest) + "…";
+    throw IoError(path, "expected JSON: " + reason);
   }
 }
 
@@ -190,9 +194,12 @@ std::uint64_t unsigned_member(const GltfSource& source, const GltfJson& json, co
   return value;
 }
 
+std::filesystem::path file_beside(const std::string& path, const std::string& uri) {
+  return std::filesystem::path(path).parent_path() / decode_percent(uri);
+}
+
 std::vector<unsigned char> read_beside(const std::string& path, const std::string& uri) {
-  const std::filesystem::path file = std::filesystem::path(path).parent_path() / decode_percent(uri);
-  return read_file(file, path, uri + ": ");
+  return read_file(file_beside(path, uri), path, uri + ": ");
 }
 
 GltfSource read_gltf_source(const std::string& path) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,9 @@ struct GltfSource {
 /// @throws IoError if the container's lengths do not fit the file, the JSON is none or nested deeper than 256
 ///         levels, a buffer is missing or shorter than it says, or an extension is required that is unknown.
 GltfSource read_gltf_source(const std::string& path);
+
+/// The file that a relative URI names, beside `path`.
+std::filesystem::path file_beside(const std::string& path, const std::string& uri);
 
 /// Bytes of the file that a relative URI names, beside `path`. @throws IoError if it is not a regular file.
 std::vector<unsigned char> read_beside(const std::string& path, const std::string& uri);

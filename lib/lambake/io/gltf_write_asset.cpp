@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <filesystem>
 #include <set>
 
 #include "lambake/core/error.h"
@@ -200,10 +201,26 @@ class AssetWriter {
               n_with_other_extensions_ = 0;
 };
 
+/// The .bin beside a new .gltf must not be one that the asset itself is made of, unless the asset is
+/// replaced.
+void check_buffer_path(const std::string& path, const GltfAsset& asset) {
+  std::error_code none;  // What is not there is not replaced.
+  const std::filesystem::path bin = std::filesystem::path(path).replace_extension(".bin");
+  if (!path.ends_with(".gltf") || std::filesystem::equivalent(path, asset.path, none)) return;
+  for (const GltfJson& buffer : member(asset.json, "buffers")) {
+    const GltfJson& uri = member(buffer, "uri");
+    if (!uri.is_string() || uri.get_ref<const std::string&>().starts_with("data:")) continue;
+    if (std::filesystem::equivalent(bin, file_beside(asset.path, uri.get_ref<const std::string&>()), none))
+      throw InvalidOption(
+          fmt::format("{}: would replace {}, a buffer of {}", path, bin.string(), asset.path));
+  }
+}
+
 }  // namespace
 
 WrittenColors write_gltf_asset(const std::string& path, const GltfAsset& asset, const Scene& scene,
                                const BakedColors& baked, const GltfWriteOptions& options) {
+  check_buffer_path(path, asset);
   GltfDocument document;
   WrittenColors written = AssetWriter(asset, scene, baked, options).build(document);
   write_document(path, document);

@@ -13,6 +13,7 @@
 
 #include "lambake/core/error.h"
 #include "lambake/io/image_codec.h"
+#include "lambake/io/input_file.h"
 #include "lambake/io/output_file.h"
 
 namespace lambake {
@@ -87,10 +88,7 @@ Image decode_image(std::span<const std::byte> bytes, const std::string& name) {
 }
 
 Image read_image(const std::string& path) {
-  std::ifstream stream(path, std::ios::binary);
-  const std::string bytes{std::istreambuf_iterator<char>(stream), {}};
-  if (!stream.is_open() || stream.bad())
-    throw IoError(path, std::string("cannot be read: ") + std::strerror(errno));
+  const std::string bytes = read_named_bytes(path);
   return decode_image(std::as_bytes(std::span(bytes.data(), bytes.size())), path);
 }
 

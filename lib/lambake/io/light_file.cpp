@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <fstream>
 #include <initializer_list>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <string_view>
 
 #include "lambake/core/error.h"
+#include "lambake/io/input_file.h"
 
 namespace lambake {
 namespace {
@@ -123,11 +123,10 @@ class LightReader {
 }  // namespace
 
 std::vector<Light> read_light_file(const std::string& path) {
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream) throw IoError(path, "cannot be opened");
+  const std::string text = read_bytes(path);
   json document;
   try {
-    document = json::parse(stream);
+    document = json::parse(text);
   } catch (const json::exception& error) {
     throw IoError(path, std::string("expected JSON: ") + error.what());
   }

@@ -19,15 +19,18 @@
 namespace lambake {
 namespace {
 
-CanonicalFile scan(const std::string& path, std::string&& bytes) {
+CanonicalFile scan(const std::string& path) {
   const std::string extension = file_extension(path);
-  if (extension == "ply") return scan_ply(path, std::move(bytes));
-  if (extension == "obj") return scan_obj(path, std::move(bytes));
-  if (extension == "off") return scan_off(path, std::move(bytes));
-  if (extension == "stl") return scan_stl(path, std::move(bytes));
-  if (extension == "om") return scan_om(path, std::move(bytes));
-  throw IoError(path,
-                fmt::format("expected the extension ply, obj, off, stl or om, found \"{}\"", extension));
+  const auto scan_as = extension == "ply"   ? scan_ply
+                       : extension == "obj" ? scan_obj
+                       : extension == "off" ? scan_off
+                       : extension == "stl" ? scan_stl
+                       : extension == "om"  ? scan_om
+                                            : nullptr;
+  if (scan_as == nullptr)
+    throw IoError(path,
+                  fmt::format("expected the extension ply, obj, off, stl or om, found \"{}\"", extension));
+  return scan_as(path, read_bytes(path));
 }
 
 /// Puts the facets of STL that OpenMesh's reader did not get in their places, their corners welded to exactly
@@ -130,7 +133,7 @@ void add_defects(const Mesh& mesh, Findings& findings) {
 }  // namespace
 
 SceneFile read_mesh_file(const std::string& path) {
-  CanonicalFile file = scan(path, read_bytes(path));
+  CanonicalFile file = scan(path);
   OpenMeshArrays arrays = read_with_openmesh(path, file);
   std::string().swap(file.bytes);  // An assignment would keep the memory.
 

@@ -1,5 +1,7 @@
 #include "lambake/io/obj_materials.h"
 
+#include <fmt/format.h>
+
 #include <charconv>
 
 #include "lambake/io/file_color.h"
@@ -35,16 +37,45 @@ std::string_view skip_map_options(TextCursor& cursor, std::size_t& n_options) {
   }
 }
 
+bool is_utf8(std::string_view text) {
+  for (std::size_t i = 0; i < text.size();) {
+    const auto byte = static_cast<unsigned char>(text[i]);
+    const std::size_t n = byte < 0x80       ? 1
+                          : byte >> 5 == 6  ? 2
+                          : byte >> 4 == 14 ? 3
+                          : byte >> 3 == 30 ? 4
+                                            : 0;
+    if (n == 0 || text.size() - i < n) return false;
+    for (std::size_t k = 1; k < n; ++k)
+      if ((static_cast<unsigned char>(text[i + k]) & 0xC0) != 0x80) return false;
+    i += n;
+  }
+  return true;
+}
+
+/// A name as UTF-8: bytes that are none are taken for Latin-1, which older programs write.
+std::string utf8_of(const std::string& name) {
+  if (is_utf8(name)) return name;
+  std::string text;
+  for (const char c : name) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte < 0x80)
+      text += c;
+    else
+      text += {static_cast<char>(0xC0 | byte >> 6), static_cast<char>(0x80 | (byte & 0x3F))};
+  }
+  return text;
+}
+
 }  // namespace
 
 void ObjMaterials::read_library(const std::string& name) {
   const std::string library = path_beside(path_, name);
   std::string text;
   try {
-    text = read_bytes(library);
+    text = read_named_bytes(library);
   } catch (const IoError& error) {
-    add_finding(file_.findings, "missing_material_files", 1,
-                std::string("material file could not be read, its materials are white: ") + error.what());
+    missing_files_.push_back(error.what());
     return;
   }
   std::size_t n_options = 0, n_transparent = 0;
@@ -81,17 +112,26 @@ std::uint32_t ObjMaterials::use(const std::string& name) {
   const auto known = used_.find(name);
   if (known != used_.end()) return known->second;
   const auto entry = entries_.find(name);
-  if (entry == entries_.end() && !name.empty())
-    add_finding(file_.findings, "unknown_materials", 1,
-                "material is not in the material files; white: " + name);
+  if (entry == entries_.end() && !name.empty()) unknown_names_.push_back(utf8_of(name));
   const std::uint32_t index = add(name, entry == entries_.end() ? Entry{} : entry->second);
   used_.emplace(name, index);
   return index;
 }
 
+void ObjMaterials::finish() {
+  const auto tell = [&](const char* code, const std::string& text, const std::vector<std::string>& names) {
+    if (names.empty()) return;
+    const std::string others = names.size() > 1 ? fmt::format(" and {} more", names.size() - 1) : "";
+    add_finding(file_.findings, code, names.size(), text + names.front() + others);
+  };
+  tell("missing_material_files",
+       "material file[|s] could not be read, [its|their] materials are white: ", missing_files_);
+  tell("unknown_materials", "material[ is|s are] not in the material files; white: ", unknown_names_);
+}
+
 std::uint32_t ObjMaterials::add(const std::string& name, const Entry& entry) {
   Material material;
-  material.name = name;
+  material.name = utf8_of(name);
   std::vector<LinearRgb> colors{entry.diffuse};
   decode_file_colors(colors, file_.findings);
   material.base_color = colors[0];

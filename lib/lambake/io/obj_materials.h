@@ -2,6 +2,7 @@
 
 #include <map>
 #include <string>
+#include <vector>
 
 #include "lambake/io/canonical_file.h"
 
@@ -17,6 +18,8 @@ class ObjMaterials {
   void read_library(const std::string& name);
   /// The index of the material in the file's list; a name that is not known is a finding and white.
   std::uint32_t use(const std::string& name);
+  /// Tells what was missing, each kind in one finding.
+  void finish();
 
  private:
   struct Entry {
@@ -30,6 +33,7 @@ class ObjMaterials {
   std::map<std::string, Entry> entries_;
   std::map<std::string, std::uint32_t> used_;
   std::map<std::string, std::uint32_t> texture_indices_;
+  std::vector<std::string> missing_files_, unknown_names_;
 };
 
 }  // namespace lambake

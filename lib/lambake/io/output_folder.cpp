@@ -8,15 +8,20 @@
 
 namespace lambake {
 
+void check_output_folder(const std::string& path) {
+  if (path.empty()) throw InvalidOption("-o: expected a folder, found nothing");
+  if (std::filesystem::exists(path) && !std::filesystem::is_directory(path))
+    throw IoError(path, "expected a folder, found a file");
+}
+
 OutputFolder::OutputFolder(const std::string& path) : path_(path) {
+  check_output_folder(path);
   std::filesystem::path target = path_.lexically_normal();
   if (!target.has_filename()) target = target.parent_path();  // "out/" names the folder "out".
   if (target.empty() || target == "." || target == "..")
     target = std::filesystem::absolute(path_).lexically_normal();
   path_ = target;
   std::error_code error;
-  if (std::filesystem::exists(path_) && !std::filesystem::is_directory(path_))
-    throw IoError(path, "expected a folder, found a file");
   if (path_.has_parent_path()) std::filesystem::create_directories(path_.parent_path(), error);
   if (error) throw IoError(path, "cannot be made: " + error.message());
   temporary_ =

@@ -5,6 +5,10 @@
 
 namespace lambake {
 
+/// @throws IoError if `path` is there and no folder; InvalidOption if it is empty. To be asked before the
+/// work.
+void check_output_folder(const std::string& path);
+
 /// Files that appear in a folder together or not at all: written into a folder beside it, moved by commit().
 /// Files that the folder held under other names stay. Without a commit the destructor removes what was
 /// written.

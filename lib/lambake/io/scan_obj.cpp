@@ -275,6 +275,7 @@ class ObjScan {
   }
 
   void finish() {
+    materials_.finish();
     file_.n_vertices = n_vertices_;
     kept_.finish(path_);
     if (splitter_) file_.copied_vertices = splitter_->copies();
@@ -328,6 +329,7 @@ class ObjScan {
 }  // namespace
 
 CanonicalFile scan_obj(const std::string& path, std::string&& text) {
+  if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);  // A byte order mark.
   join_continued_lines(text);
   if (!text.ends_with('\n')) text.push_back('\n');
   CanonicalFile file;

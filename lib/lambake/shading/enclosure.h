@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 namespace lambake {
 
@@ -25,9 +26,13 @@ struct Interval {
 /// max of Σ b_k b_{k+1} a[k] over the triangle, for a[k] >= 0: where the a are the squared sides of a
 /// triangle that is a bit more than acute, its circumradius squared, otherwise a quarter of the largest.
 inline double largest_quadratic(double a, double b, double c) {
-  if (a + b > c && b + c > a && c + a > b)
-    return a * b * c / (2 * (a * b + b * c + c * a) - (a * a + b * b + c * c));
-  return 0.25 * std::max({a, b, c});
+  if (a > b) std::swap(a, b);
+  if (b > c) std::swap(b, c);
+  if (a > b) std::swap(a, b);
+  if (!(a + b > c)) return 0.25 * c;
+  // Around the smallest, so that needles do not cancel.
+  const double between = c - b;
+  return std::max(0.25 * c, a * b * c / (a * (2 * (b + c) - a) - between * between));
 }
 
 inline double largest_quadratic(const std::array<double, 3>& a, double sign) {

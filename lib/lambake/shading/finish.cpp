@@ -1,6 +1,7 @@
 #include "lambake/shading/finish.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "lambake/shading/texture.h"
 
@@ -88,6 +89,7 @@ TexelRange Finishes::texels_over(std::uint32_t texture, const Mesh& mesh, std::s
   for (int c = 0; c < 3; ++c) {
     const glm::dvec2 uv(glm::dmat3(t.transform) *
                         glm::dvec3(glm::dvec2(texcoords[mesh.triangles[triangle][c]]), 1.0));
+    if (!std::isfinite(uv.x) || !std::isfinite(uv.y)) return whole_ranges_[texture];
     low = glm::min(low, uv), high = glm::max(high, uv);
   }
   return texel_range(scene_, t, low, high, whole_ranges_[texture]);

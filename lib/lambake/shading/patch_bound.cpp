@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <queue>
 #include <vector>
 
@@ -107,7 +108,8 @@ Enclosure received_over(const Light& light, const Patch& patch, bool has_normal,
   if (light.type == LightType::spot)
     value = value * cone_over(light, to_light, power(distance_squared, -0.5));
   const Interval values = range(value);
-  return values.high - values.low > most ? anything_in({0, most}) : value;
+  // Not a number where a power has left double: nothing is known then but `most`.
+  return values.high - values.low <= most ? value : anything_in({0, most});
 }
 
 namespace {
@@ -126,8 +128,8 @@ constexpr std::uint32_t no_light = ~0U;
 /// max S(F) − S(G) over G >= low_g, F <= high_f, F >= low_f, F − G <= e, S the curve of the screen. S is
 /// concave from 0 on, so the smallest G is the worst; below 0 it is flat. At its joint it jumps by 3e-8.
 double screen_gap(double low_f, double high_f, double low_g, double high_g, double e) {
-  if (!(e > 0)) return 0;
-  if (!(e < infinity)) return 1;
+  if (e <= 0) return 0;
+  if (!(e < infinity)) return 1;  // Not a number, too.
   const double g = std::max(std::max(low_g, low_f - e), std::min(0.0, high_g));
   const double f = std::min(g + e, high_f);
   const auto screen = [](double x) { return srgb_encode(std::clamp(x, 0.0, 1.0)); };
@@ -241,7 +243,7 @@ class Bounder {
       double worst_kink = 0;
       for (const std::uint32_t i : lights_) {
         const Enclosure r = received_over(all_[i], patch, has_normal, longest);
-        if (r.high == infinity) {
+        if (!(r.high < infinity)) {
           part.bound = infinity;
           part.longest_side = longest_side(patch);
           return part;
@@ -285,7 +287,8 @@ class Bounder {
             std::max(variation[k], std::abs(f.linear[k] - f.linear[next]) + 4 * std::abs(f.quadratic[k]));
       }
       widest_rest = std::max(widest_rest, f.high - f.low);
-      part.bound = std::max(part.bound, bound_of(c, range(f), range(e), patch));
+      const double bound = bound_of(c, range(f), range(e), patch);
+      part.bound = std::isnan(bound) ? infinity : std::max(part.bound, bound);
     }
     // Where light hardly varies, what the normals and distances do apart is what keeps the interval wide.
     if (widest_rest > *std::max_element(variation.begin(), variation.end())) variation = spreads(patch);
