@@ -49,34 +49,33 @@ Threshold parse_threshold(const std::string& text) {
   return {text.substr(0, equals), parse_numbers("--fail-above", text.substr(equals + 1), 1, 1).front()};
 }
 
-/// The number that a metric names, or null if there is none.
-const nlohmann::ordered_json* find_number(const nlohmann::ordered_json& report, const std::string& metric) {
-  const auto at = [&](std::string path) -> const nlohmann::ordered_json* {
-    std::replace(path.begin(), path.end(), '.', '/');
-    const nlohmann::ordered_json::json_pointer pointer("/" + path);
-    if (!report.contains(pointer)) return nullptr;
-    const auto& value = report[pointer];
-    return value.is_number() || value.is_null() ? &value : nullptr;
-  };
-  const bool has_path = metric.find('.') != std::string::npos;
-  const auto* const on_screen = has_path ? nullptr : at("image.display." + metric);
-  return on_screen != nullptr ? on_screen : at(metric);
+/// The number that a path names, or null if there is none.
+const nlohmann::ordered_json* find_number(const nlohmann::ordered_json& report, std::string path) {
+  std::replace(path.begin(), path.end(), '.', '/');
+  const nlohmann::ordered_json::json_pointer pointer("/" + path);
+  if (!report.contains(pointer)) return nullptr;
+  const auto& value = report[pointer];
+  return value.is_number() || value.is_null() ? &value : nullptr;
 }
 
 [[noreturn]] void fail_without(const std::string& metric) {
   throw InvalidOption(fmt::format("--fail-above: report.json has no number \"{}\"", metric));
 }
 
-/// Throws InvalidOption unless a report can have such numbers; before any work is done.
-void check_metrics(const std::vector<Threshold>& thresholds) {
+/// Makes metrics whole paths; throws InvalidOption if no report can have such a number. Before any work.
+void resolve_metrics(std::vector<Threshold>& thresholds) {
   Comparison all;  // With what only some reports have.
   all.max_bound_linear = all.max_bound_display = 0;
   all.surface_display.worst.resize(1);
   all.light_shares.resize(1);
   all.trials.resize(1);
   const auto report = nlohmann::ordered_json::parse(report_json(all));
-  for (const Threshold& threshold : thresholds)
+  for (Threshold& threshold : thresholds) {
+    const std::string on_screen = "image.display." + threshold.metric;
+    if (threshold.metric.find('.') == std::string::npos && find_number(report, on_screen) != nullptr)
+      threshold.metric = on_screen;
     if (find_number(report, threshold.metric) == nullptr) fail_without(threshold.metric);
+  }
 }
 
 /// Both pictures of every view and their errors; those of the first view stay for the report.
@@ -160,7 +159,7 @@ int compare_and_write(const CompareCommand& command, const std::string& command_
   Stopwatch stopwatch;
   std::vector<Threshold> thresholds;
   for (const std::string& text : command.thresholds) thresholds.push_back(parse_threshold(text));
-  check_metrics(thresholds);
+  resolve_metrics(thresholds);
   check_output_folder(command.folder);
   picture_size(command.camera);
 

@@ -139,6 +139,10 @@ TEST(CommandLine, Compare_Thresholds_DecideTheExitCode) {
   EXPECT_EQ(failed.exit_code, 1);
   EXPECT_NE(failed.err.find("image.display.rmse"), std::string::npos) << failed.err;
   EXPECT_EQ(count_lines(failed.err), 1U) << failed.err;
+  // Numbers that only some reports have, and such beside the picture's.
+  for (const char* metric : {"surface.display.max_bound=0.001", "worst.0.error=0.001", "vertices=5"})
+    EXPECT_EQ(run_tool(folder, compare + "--fail-above " + metric).exit_code, 1) << metric;
+  EXPECT_EQ(run_tool(folder, compare + "--fail-above nonsense=1").exit_code, 2);
 }
 
 TEST(CommandLine, Compare_Folder_HoldsAllThatIsPromised) {

@@ -144,7 +144,7 @@ TEST_F(LightFile, WhatIsNoLightsFile_IsRefused) {
   EXPECT_EQ(refusal("{}"), "expected {\"lights\": [...]}");
   EXPECT_EQ(refusal("[]"), "expected {\"lights\": [...]}");
   EXPECT_EQ(refusal(R"({"lights": {}})"), "expected {\"lights\": [...]}");
-  EXPECT_EQ(refusal("").rfind("expected JSON", 0), 0U);
+  EXPECT_EQ(refusal("").rfind("expected content", 0), 0U);
 }
 
 TEST_F(LightFile, EveryTruncatedPrefix_IsRefused) {

@@ -171,6 +171,25 @@ TEST_F(MeshFileTest, ObjFaceThatRepeatsAVertex_IsKeptWithoutACopy) {
   EXPECT_EQ(count_of(file, "repeated_vertex_faces"), 1u);
 }
 
+TEST_F(MeshFileTest, ObjWithAByteOrderMark_KeepsItsFirstVertex) {
+  const SceneFile file = read("a.obj", "\xEF\xBB\xBFv 9 9 9\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 2 3 4\n");
+  ASSERT_EQ(file.scene.mesh.n_vertices(), 4u);
+  EXPECT_EQ(file.scene.mesh.positions[0], glm::vec3(9));
+}
+
+TEST_F(MeshFileTest, ObjMaterialNameInLatin1_BecomesUtf8) {
+  write("a.mtl", "newmtl K\xF6rper\nKd 1 0 0\n");
+  const SceneFile file =
+      read("a.obj", "mtllib a.mtl\nusemtl K\xF6rper\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  EXPECT_EQ(file.scene.materials[file.scene.mesh.material_of(0)].name, "K\u00F6rper");
+}
+
+TEST_F(MeshFileTest, DevicesThatAFileNames_AreNotRead) {
+  const SceneFile file =
+      read("a.obj", "mtllib /dev/zero\nmtllib /dev/zero\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  EXPECT_EQ(count_of(file, "missing_material_files"), 2u);
+}
+
 TEST_F(MeshFileTest, ObjMaterials_BecomeBaseColorsByFace) {
   write("a.mtl", "newmtl red one\nKd 1 0 0\nmap_Kd -s 1 1 missing.png\nnewmtl grey\nKd 0.5 0.5 0.5\n");
   const SceneFile file = read("a.obj",
