@@ -145,6 +145,41 @@ TEST(CommandLine, Compare_Thresholds_DecideTheExitCode) {
   EXPECT_EQ(run_tool(folder, compare + "--fail-above nonsense=1").exit_code, 2);
 }
 
+TEST(CommandLine, ClosedAndFullStreams_AreNoFaultOfOurs) {
+  const ScratchFolder folder("streams");
+  write_octahedron(folder / "in.off");
+  const auto exit_code = [&](const std::string& arguments) {
+    return run_tool(folder, "--version >/dev/null; ( '" LAMBAKE_TOOL "' " + arguments + " )").exit_code;
+  };
+  EXPECT_EQ(exit_code("bake in.off -o a.glb 2>&-"), 0);
+  EXPECT_TRUE(std::filesystem::exists(folder / "a.glb"));
+  EXPECT_EQ(exit_code("info in.off >&- 2>&-"), 0);
+  EXPECT_EQ(exit_code("info in.off --json >/dev/full"), 3);
+  EXPECT_EQ(exit_code("bake in.off -o b.glb --json >/dev/full"), 3);
+}
+
+TEST(CommandLine, GltfInTheWayOfItsSourcesBuffer_IsRefused) {
+  const ScratchFolder folder("buffer");
+  write_octahedron(folder / "in.off");
+  ASSERT_EQ(run_tool(folder, "bake in.off -o a.gltf").exit_code, 0);
+  std::filesystem::copy_file(folder / "a.gltf", folder / "c.gltf");  // Its buffer is a.bin, too.
+  std::filesystem::remove(folder / "a.gltf");
+  const ToolResult refused = run_tool(folder, "bake c.gltf -o a.gltf --quiet");
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_NE(refused.err.find("a.bin"), std::string::npos) << refused.err;
+  EXPECT_EQ(run_tool(folder, "bake c.gltf -o c.gltf").exit_code, 0);
+}
+
+TEST(CommandLine, WhereNothingIsLit_ItSaysSo) {
+  const ScratchFolder folder("dark");
+  write_octahedron(folder / "in.off");
+  std::ofstream(folder / "none.json") << "{\"lights\": []}";
+  EXPECT_NE(run_tool(folder, "bake in.off --lights none.json -o a.glb").err.find("no light at all"),
+            std::string::npos);
+  EXPECT_NE(run_tool(folder, "bake a.glb -o b.glb").err.find("every material is unlit"), std::string::npos);
+  EXPECT_EQ(run_tool(folder, "compare in.off -o ''").exit_code, 2);
+}
+
 TEST(CommandLine, Compare_Folder_HoldsAllThatIsPromised) {
   const ScratchFolder folder("folder");
   write_octahedron(folder / "in.off");

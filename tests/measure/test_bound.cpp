@@ -85,6 +85,22 @@ TEST(SurfaceBound, OnScreen_ClippedColoursDoNotDiffer) {
   EXPECT_LT(surface_bound(scene, baked, {}).max_bound, 1e-9);
 }
 
+// Such a corner shows texel 0, wherever the others are.
+TEST(SurfaceBound, TextureCoordinateThatIsNoNumber_LeavesTheWholeTexture) {
+  Scene scene = scene_of(grid(1, 1), {sun({0, 1, 0})});
+  scene.images = {{8, 1, std::vector<glm::vec4>(8, glm::vec4(1))}};
+  scene.images[0].pixels[0] = glm::vec4(0, 0, 0, 1);
+  scene.textures.resize(1);
+  scene.materials[0].base_color_texture = 0;
+  scene.mesh.texcoords[0].assign(scene.mesh.n_vertices(), {0.6f, 0.5f});
+  const Finishes sound(scene);
+  EXPECT_GT(sound.over(scene.mesh, 0).base_low.r, 0.9);
+  scene.mesh.texcoords[0][scene.mesh.triangles[0][1]].x = NAN;
+  const FinishRange range = Finishes(scene).over(scene.mesh, 0);
+  EXPECT_EQ(range.base_low.r, 0);
+  EXPECT_GE(range.base_high.r, 1);
+}
+
 TEST(SurfaceBound, OneAndTwoThreads_GiveTheSameBits) {
   const Scene scene = scene_of(icosphere(3), {sun({0.4f, 1, 0.3f}), lamp({1.2f, 0.5f, 0})});
   const BakedColors baked = bake(scene, {});

@@ -9,14 +9,16 @@
 namespace lambake {
 namespace {
 
+constexpr std::uint32_t no_vertex = ~0U;
+
 /// A vertex as the mean of up to three of the scene's, all corners of one triangle.
 struct VertexMean {
-  std::array<std::uint32_t, 3> vertices{no_triangle, no_triangle, no_triangle};
+  std::array<std::uint32_t, 3> vertices{no_vertex, no_vertex, no_vertex};
   std::array<double, 3> weights{};
 
   void add(std::uint32_t vertex, double weight) {
     for (std::size_t i = 0; i < 3; ++i)
-      if (vertices[i] == vertex || vertices[i] == no_triangle) {
+      if (vertices[i] == vertex || vertices[i] == no_vertex) {
         vertices[i] = vertex;
         weights[i] += weight;
         return;
@@ -24,7 +26,7 @@ struct VertexMean {
     throw InvalidScene("picture: expected cuts within triangles of the scene");
   }
   void add(const VertexMean& other, double weight) {
-    for (std::size_t i = 0; i < 3 && other.vertices[i] != no_triangle; ++i)
+    for (std::size_t i = 0; i < 3 && other.vertices[i] != no_vertex; ++i)
       add(other.vertices[i], weight * other.weights[i]);
   }
 };
