@@ -26,10 +26,18 @@ using Corners = float[4 * n_in_block];
 /// Faces on their way from positions to weighted normals.
 struct alignas(64) Block {
   Corners corners[3];
-  float x[n_in_block], y[n_in_block], z[n_in_block];  // Twice the area vector, in square units.
-  float unit[n_in_block];  // A power of two near the longest edge; 0 where float cannot be sure of the face.
-  float terms[3][n_in_block];  // Of each corner's weight.
+  float x[n_in_block], y[n_in_block], z[n_in_block];  // Twice the area vector; NaN where there may be none.
+  float terms[3][n_in_block];                         // Of each corner's weight. All in units of the window.
+  float is_sliver[n_in_block];                        // 0 or 1.
 };
+
+/// Squared lengths of area vectors between which float neither overflows nor runs dry: of edges between 1e-8
+/// and 1e8 units.
+constexpr float least_square = 1e-34f, greatest_square = 1e34f;
+
+/// Squared sine between two edges below which a face is measured in double: the area vector of float is off
+/// by some 1e-7 of the product of the edges.
+constexpr float sliver = 0.0625f;
 
 /// A sum of unit normals shorter than this share of the sum of its weights has no direction: the faces
 /// cancel.
@@ -43,16 +51,18 @@ constexpr float atan_coefficients[] = {0.999999881996f,  -0.333318126556f,  0.19
                                        -0.140032901847f, 0.0986886545832f,  -0.0588297531472f,
                                        0.0237805186009f, -0.00455979198733f};
 
-double corner_weight(double doubled_area, const glm::dvec3& e1, const glm::dvec3& e2, NormalWeight weight) {
+/// @param unit  of the lengths in the weight.
+double corner_weight(double doubled_area, const glm::dvec3& e1, const glm::dvec3& e2, NormalWeight weight,
+                     double unit) {
   switch (weight) {
     case NormalWeight::angle:
       return std::atan2(doubled_area, glm::dot(e1, e2));
     case NormalWeight::area:
-      return doubled_area;
+      return doubled_area / unit / unit;
     case NormalWeight::uniform:
       return 1;
     case NormalWeight::max:
-      return doubled_area / (glm::dot(e1, e1) * glm::dot(e2, e2));
+      return doubled_area / (glm::dot(e1, e1) * glm::dot(e2, e2)) * unit * unit;
   }
   return 0;
 }
@@ -75,7 +85,7 @@ void add_face_exactly(const glm::vec3* positions, const glm::uvec3& t, NormalWei
     const std::uint32_t place = place_in(window, t[c]);
     if (place >= window.sums.size() || (is_wanted != nullptr && is_wanted[place] == 0)) continue;
     const glm::dvec3 &here = p[c], &next = p[(c + 1) % 3], &last = p[(c + 2) % 3];
-    const double w = corner_weight(length, next - here, last - here, weight);
+    const double w = corner_weight(length, next - here, last - here, weight, window.unit);
     NormalSum& sum = window.sums[place];
     for (int k = 0; k < 3; ++k) sum.normal[k] += cross[k] / length * w;
     sum.weight += w;
@@ -91,12 +101,13 @@ namespace lambake::HWY_NAMESPACE {
 namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 
+using Floats = hn::CappedTag<float, 8>;
+using Words = hn::Rebind<std::uint32_t, Floats>;
+using F = hn::Vec<Floats>;
 // As many floats as there are doubles in a vector, so that the two go side by side.
 using Doubles = hn::CappedTag<double, 8>;
-using Floats = hn::Rebind<float, Doubles>;
-using Words = hn::Rebind<std::uint32_t, Doubles>;
+using FewFloats = hn::Rebind<float, Doubles>;
 using D = hn::Vec<Doubles>;
-using F = hn::Vec<Floats>;
 
 template <typename V>
 struct Vector3 {
@@ -104,6 +115,7 @@ struct Vector3 {
 };
 using F3 = Vector3<F>;
 using D3 = Vector3<D>;
+using FewF3 = Vector3<hn::Vec<FewFloats>>;
 
 template <typename V>
 HWY_INLINE Vector3<V> subtract(const Vector3<V>& a, const Vector3<V>& b) {
@@ -122,19 +134,20 @@ HWY_INLINE Vector3<V> cross(const Vector3<V>& a, const Vector3<V>& b) {
   return {hn::Sub(hn::Mul(a.y, b.z), hn::Mul(a.z, b.y)), hn::Sub(hn::Mul(a.z, b.x), hn::Mul(a.x, b.z)),
           hn::Sub(hn::Mul(a.x, b.y), hn::Mul(a.y, b.x))};
 }
-HWY_INLINE D3 promote(const F3& a) {
+HWY_INLINE D3 promote(const FewF3& a) {
   const Doubles d;
   return {hn::PromoteTo(d, a.x), hn::PromoteTo(d, a.y), hn::PromoteTo(d, a.z)};
 }
-HWY_INLINE F3 demote(const D3& a) {
-  const Floats f;
+HWY_INLINE FewF3 demote(const D3& a) {
+  const FewFloats f;
   return {hn::DemoteTo(f, a.x), hn::DemoteTo(f, a.y), hn::DemoteTo(f, a.z)};
 }
 
-HWY_INLINE F3 load_corners(const float* corners) {
-  F3 p;
-  F unused;
-  hn::LoadInterleaved4(Floats(), corners, p.x, p.y, p.z, unused);
+template <typename Tag>
+HWY_INLINE Vector3<hn::Vec<Tag>> load_corners(Tag tag, const float* corners) {
+  Vector3<hn::Vec<Tag>> p;
+  hn::Vec<Tag> unused;
+  hn::LoadInterleaved4(tag, corners, p.x, p.y, p.z, unused);
   return p;
 }
 
@@ -165,90 +178,102 @@ HWY_INLINE F3 angles(F area, F dot0, F dot1, F dot2) {
           hn::IfThenElse(is_0_large, a, hn::IfThenElse(is_1_large, b, large))};
 }
 
-/// The edges of faces, and a power of two near the longest.
-struct Edges {
-  F3 e1, e2;
-  F longest, unit, per_unit;
-};
-
-HWY_INLINE Edges edges_of(const F3& p0, const F3& p1, const F3& p2) {
-  const Floats f;
-  const Words u;
-  Edges edges;
-  const F3 e1 = subtract(p1, p0), e2 = subtract(p2, p0);
-  edges.e1 = e1, edges.e2 = e2;
-  edges.longest =
-      hn::Max(hn::Max(hn::Max(hn::Abs(e1.x), hn::Abs(e1.y)), hn::Max(hn::Abs(e1.z), hn::Abs(e2.x))),
-              hn::Max(hn::Abs(e2.y), hn::Abs(e2.z)));
-  const auto exponent = hn::And(hn::BitCast(u, edges.longest), hn::Set(u, 0x7f800000u));
-  edges.unit = hn::BitCast(f, exponent);
-  edges.per_unit = hn::BitCast(f, hn::Sub(hn::Set(u, 254u << 23), exponent));
-  return edges;
-}
-
-/// Lanes in which `edges` are of a size, and an area vector in their units of a length, that float can
-/// handle. False for what is not finite, too.
-HWY_INLINE hn::Mask<Floats> is_sure(const Edges& edges, F length_squared, float least) {
-  const Floats f;
-  return hn::And(
-      hn::Gt(length_squared, hn::Set(f, least)),
-      hn::And(hn::Gt(edges.longest, hn::Set(f, 0x1p-50f)), hn::Lt(edges.longest, hn::Set(f, 0x1p50f))));
-}
-
-/// From positions to what weights are made of, for as many faces as a vector has lanes, from the one at `i`
-/// on.
-///
-/// Edges and their cross product are in double, so that slivers keep their direction. The rest is float, in
-/// units of a power of two near the longest edge.
-template <NormalWeight weight>
-HWY_INLINE void measure(Block& block, std::size_t i) {
-  const Doubles d;
-  const Floats f;
-  const F3 p0 = load_corners(&block.corners[0][4 * i]), p1 = load_corners(&block.corners[1][4 * i]),
-           p2 = load_corners(&block.corners[2][4 * i]);
-  const D3 q0 = promote(p0);
-  const D3 area_vector = cross(subtract(promote(p1), q0), subtract(promote(p2), q0));
-  const Edges edges = edges_of(p0, p1, p2);
-  const D per_unit = hn::PromoteTo(d, edges.per_unit);
-  const F3 n = demote(scale(area_vector, hn::Mul(per_unit, per_unit)));
-  hn::Store(n.x, f, block.x + i);
-  hn::Store(n.y, f, block.y + i);
-  hn::Store(n.z, f, block.z + i);
-  hn::Store(hn::IfThenElseZero(is_sure(edges, dot(n, n), 1e-10f), edges.unit), f, block.unit + i);
+template <NormalWeight weight, typename Tag>
+HWY_INLINE void store_measured(Tag tag, const Vector3<hn::Vec<Tag>>& n, const Vector3<hn::Vec<Tag>>& terms,
+                               Block& block, std::size_t i) {
+  hn::Store(n.x, tag, block.x + i);
+  hn::Store(n.y, tag, block.y + i);
+  hn::Store(n.z, tag, block.z + i);
   if constexpr (weight == NormalWeight::angle || weight == NormalWeight::max) {
-    const F3 e1 = scale(edges.e1, edges.per_unit), e2 = scale(edges.e2, edges.per_unit);
-    const F3 e3 = scale(subtract(p2, p1), edges.per_unit);
-    constexpr bool is_angle = weight == NormalWeight::angle;
-    hn::Store(is_angle ? dot(e1, e2) : dot(e3, e3), f, block.terms[0] + i);
-    hn::Store(is_angle ? hn::Neg(dot(e1, e3)) : dot(e2, e2), f, block.terms[1] + i);
-    hn::Store(is_angle ? dot(e2, e3) : dot(e1, e1), f, block.terms[2] + i);
+    hn::Store(terms.x, tag, block.terms[0] + i);
+    hn::Store(terms.y, tag, block.terms[1] + i);
+    hn::Store(terms.z, tag, block.terms[2] + i);
   }
 }
 
-/// From there to weighted normals, in the place of the positions; NaN where float is not sure. Apart from
+/// measure() for slivers, in double.
+template <NormalWeight weight>
+HWY_INLINE void measure_slivers(Block& block, std::size_t i, float per_unit) {
+  const Doubles d;
+  const FewFloats f;
+  const auto is_sliver = hn::Gt(hn::Load(f, block.is_sliver + i), hn::Zero(f));
+  if (hn::AllFalse(f, is_sliver)) return;
+  const D3 p0 = promote(load_corners(f, &block.corners[0][4 * i])),
+           p1 = promote(load_corners(f, &block.corners[1][4 * i])),
+           p2 = promote(load_corners(f, &block.corners[2][4 * i]));
+  const D per = hn::Set(d, double(per_unit));
+  const D3 e1 = scale(subtract(p1, p0), per), e2 = scale(subtract(p2, p0), per),
+           e3 = scale(subtract(p2, p1), per), n = cross(e1, e2);
+  const D edges = hn::Add(dot(e1, e1), dot(e2, e2));
+  const auto has_area = hn::Gt(dot(n, n), hn::Mul(hn::Set(d, 1e-20), hn::Mul(edges, edges)));
+  const D one =
+      hn::IfThenElse(has_area, hn::Set(d, 1.0), hn::Set(d, std::numeric_limits<double>::quiet_NaN()));
+  const auto merge = [&](D exact, const float* stored) HWY_ATTR {
+    return hn::IfThenElse(is_sliver, hn::DemoteTo(f, exact), hn::Load(f, stored + i));
+  };
+  const FewF3 area = {merge(hn::Mul(n.x, one), block.x), merge(n.y, block.y), merge(n.z, block.z)};
+  FewF3 terms = area;
+  if constexpr (weight == NormalWeight::angle)
+    terms = {merge(dot(e1, e2), block.terms[0]), merge(hn::Neg(dot(e1, e3)), block.terms[1]),
+             merge(dot(e2, e3), block.terms[2])};
+  if constexpr (weight == NormalWeight::max)
+    terms = {merge(dot(e3, e3), block.terms[0]), merge(dot(e2, e2), block.terms[1]),
+             merge(dot(e1, e1), block.terms[2])};
+  store_measured<weight>(f, area, terms, block, i);
+}
+
+/// From positions to area vectors and what weights are made of (the dot products of the edges at each corner
+/// for angles; the squares of the sides opposite for `max`), for as many faces as a vector has lanes, from
+/// the one at `i` on.
+template <NormalWeight weight>
+HWY_INLINE void measure(Block& block, std::size_t i, float per_unit) {
+  const Floats f;
+  const F3 p0 = load_corners(f, &block.corners[0][4 * i]), p1 = load_corners(f, &block.corners[1][4 * i]),
+           p2 = load_corners(f, &block.corners[2][4 * i]);
+  const F per = hn::Set(f, per_unit);
+  const F3 e1 = scale(subtract(p1, p0), per), e2 = scale(subtract(p2, p0), per), n = cross(e1, e2);
+  const F square1 = dot(e1, e1), square2 = dot(e2, e2);
+  F3 terms = n;
+  if constexpr (weight == NormalWeight::angle) {
+    const F cosine = dot(e1, e2);
+    terms = {cosine, hn::Sub(square1, cosine), hn::Sub(square2, cosine)};
+  }
+  if constexpr (weight == NormalWeight::max) {
+    const F3 e3 = scale(subtract(p2, p1), per);
+    terms = {dot(e3, e3), square2, square1};
+  }
+  store_measured<weight>(f, n, terms, block, i);
+  const auto is_plain = hn::Gt(dot(n, n), hn::Mul(hn::Mul(square1, hn::Set(f, sliver)), square2));
+  if (hn::AllTrue(f, is_plain)) return;
+  hn::Store(hn::IfThenZeroElse(is_plain, hn::Set(f, 1.0f)), f, block.is_sliver + i);
+  for (std::size_t k = 0; k < hn::Lanes(f); k += hn::Lanes(Doubles()))
+    measure_slivers<weight>(block, i + k, per_unit);
+}
+
+/// From there to weighted normals, in the place of the positions; NaN where float will not do. Apart from
 /// measure(), as the machine works on several faces at a time only where the chains of operations are short.
 template <NormalWeight weight>
 HWY_INLINE void weigh(Block& block, std::size_t i) {
   const Floats f;
   const F3 n = {hn::Load(f, block.x + i), hn::Load(f, block.y + i), hn::Load(f, block.z + i)};
-  const F unit = hn::Load(f, block.unit + i), length = hn::Sqrt(dot(n, n));
+  const F square = dot(n, n), length = hn::Sqrt(square);
+  const auto is_sure =
+      hn::And(hn::Gt(square, hn::Set(f, least_square)), hn::Lt(square, hn::Set(f, greatest_square)));
   const F nan = hn::Set(f, std::numeric_limits<float>::quiet_NaN());
-  const F3 normal =
-      scale(n, hn::IfThenElse(hn::Gt(unit, hn::Zero(f)), hn::Div(hn::Set(f, 1.0f), length), nan));
+  const F3 normal = scale(n, hn::IfThenElse(is_sure, hn::Div(hn::Set(f, 1.0f), length), nan));
   F3 w;
   if constexpr (weight == NormalWeight::uniform) {
     w.x = w.y = w.z = hn::Set(f, 1.0f);
   } else if constexpr (weight == NormalWeight::area) {
-    w.x = w.y = w.z = hn::Mul(hn::Mul(length, unit), unit);
+    w.x = w.y = w.z = length;
   } else {
     const F t0 = hn::Load(f, block.terms[0] + i), t1 = hn::Load(f, block.terms[1] + i),
             t2 = hn::Load(f, block.terms[2] + i);
     if constexpr (weight == NormalWeight::angle) {
       w = angles(length, t0, t1, t2);
     } else {  // Squares of the sides opposite to each corner.
-      const F scaled = hn::Div(hn::Div(length, unit), unit);
-      w = {hn::Div(scaled, hn::Mul(t1, t2)), hn::Div(scaled, hn::Mul(t0, t2)),
-           hn::Div(scaled, hn::Mul(t0, t1))};
+      w = {hn::Div(length, hn::Mul(t1, t2)), hn::Div(length, hn::Mul(t0, t2)),
+           hn::Div(length, hn::Mul(t0, t1))};
     }
   }
   const auto store = [&](F share, int corner) HWY_ATTR {
@@ -261,11 +286,12 @@ HWY_INLINE void weigh(Block& block, std::size_t i) {
 }
 
 /// The positions of up to a block of faces.
+/// @tparam n_bytes  of a position; 16 moves faster, but reads the next one too.
+template <std::size_t n_bytes>
 HWY_INLINE void gather(const glm::vec3* positions, const glm::uvec3* triangles, std::size_t n,
                        Corners* corners) {
   for (std::size_t i = 0; i < n; ++i)
-    for (int c = 0; c < 3; ++c)
-      std::memcpy(&corners[c][4 * i], &positions[triangles[i][c]], sizeof(glm::vec3));
+    for (int c = 0; c < 3; ++c) std::memcpy(&corners[c][4 * i], &positions[triangles[i][c]], n_bytes);
 }
 
 /// Of the `n` faces, from the one at `first` on, up to a block of those that have a corner in the window.
@@ -284,11 +310,18 @@ HWY_INLINE std::size_t select_faces(const glm::uvec3* triangles, std::size_t n, 
 }
 
 /// @tparam is_whole  every corner of the faces is in the window.
+/// @param has_next   behind the positions of the faces' corners there are others.
 template <NormalWeight weight, bool is_whole>
 void add_all(const glm::vec3* positions, const glm::uvec3* triangles, std::size_t n,
-             const NormalWindow& window) {
+             const NormalWindow& window, bool has_next) {
   Block block{};
   glm::uvec3 selected[n_in_block];
+  // Copies: the sums might overwrite what `window` refers to, for all that the compiler knows.
+  const std::uint32_t* const group_of = window.group_of.empty() ? nullptr : window.group_of.data();
+  NormalSum* const sums = window.sums.data();
+  const std::uint32_t first_group = window.first;
+  const std::size_t n_sums = window.sums.size();
+  const float per_unit = 1 / window.unit;
   for (std::size_t first = 0; first < n;) {
     const glm::uvec3* faces = selected;
     std::size_t n_here;
@@ -299,9 +332,12 @@ void add_all(const glm::vec3* positions, const glm::uvec3* triangles, std::size_
     } else {
       n_here = select_faces(triangles, n, window, first, selected);
     }
-    gather(positions, faces, n_here, block.corners);
-    for (std::size_t i = 0; i < n_here; i += hn::Lanes(Doubles())) measure<weight>(block, i);
-    for (std::size_t i = 0; i < n_here; i += hn::Lanes(Doubles())) weigh<weight>(block, i);
+    if (has_next)
+      gather<16>(positions, faces, n_here, block.corners);
+    else
+      gather<12>(positions, faces, n_here, block.corners);
+    for (std::size_t i = 0; i < n_here; i += hn::Lanes(Floats())) measure<weight>(block, i, per_unit);
+    for (std::size_t i = 0; i < n_here; i += hn::Lanes(Floats())) weigh<weight>(block, i);
     for (std::size_t i = 0; i < n_here; ++i) {
       const glm::uvec3& t = faces[i];
       if (std::isnan(block.corners[0][4 * i])) {
@@ -309,9 +345,9 @@ void add_all(const glm::vec3* positions, const glm::uvec3* triangles, std::size_
         continue;
       }
       for (int c = 0; c < 3; ++c) {
-        const std::uint32_t place = place_in(window, t[c]);
-        if (!is_whole && place >= window.sums.size()) continue;
-        double* const sum = window.sums[place].normal;
+        const std::uint32_t place = (group_of == nullptr ? t[c] : group_of[t[c]]) - first_group;
+        if (!is_whole && place >= n_sums) continue;
+        double* const sum = sums[place].normal;
         float added[4];
         std::memcpy(added, &block.corners[c][4 * i], sizeof added);
         for (int k = 0; k < 4; ++k) sum[k] += double(added[k]);
@@ -322,61 +358,73 @@ void add_all(const glm::vec3* positions, const glm::uvec3* triangles, std::size_
 
 template <NormalWeight weight>
 void add_with(const glm::vec3* positions, const glm::uvec3* triangles, std::size_t n,
-              const NormalWindow& window, bool is_whole) {
+              const NormalWindow& window, bool is_whole, bool has_next) {
   if (is_whole)
-    add_all<weight, true>(positions, triangles, n, window);
+    add_all<weight, true>(positions, triangles, n, window, has_next);
   else
-    add_all<weight, false>(positions, triangles, n, window);
+    add_all<weight, false>(positions, triangles, n, window, has_next);
 }
 
 void add_faces_of(const glm::vec3* positions, const glm::uvec3* triangles, std::size_t n, NormalWeight weight,
-                  const NormalWindow& window, bool is_whole) {
+                  const NormalWindow& window, bool is_whole, bool has_next) {
   switch (weight) {
     case NormalWeight::angle:
-      return add_with<NormalWeight::angle>(positions, triangles, n, window, is_whole);
+      return add_with<NormalWeight::angle>(positions, triangles, n, window, is_whole, has_next);
     case NormalWeight::area:
-      return add_with<NormalWeight::area>(positions, triangles, n, window, is_whole);
+      return add_with<NormalWeight::area>(positions, triangles, n, window, is_whole, has_next);
     case NormalWeight::uniform:
-      return add_with<NormalWeight::uniform>(positions, triangles, n, window, is_whole);
+      return add_with<NormalWeight::uniform>(positions, triangles, n, window, is_whole, has_next);
     case NormalWeight::max:
-      return add_with<NormalWeight::max>(positions, triangles, n, window, is_whole);
+      return add_with<NormalWeight::max>(positions, triangles, n, window, is_whole, has_next);
   }
 }
 
-bool have_area_of(const glm::vec3* positions, const glm::uvec3* triangles, std::size_t n) {
+bool have_area_of(const glm::vec3* positions, const glm::uvec3* triangles, std::size_t n_triangles) {
   const Floats f;
   HWY_ALIGN Corners corners[3];
-  for (std::size_t first = 0; first < n; first += n_in_block) {
-    const std::size_t n_here = std::min(n_in_block, n - first);
+  for (std::size_t first = 0; first < n_triangles; first += n_in_block) {
+    const std::size_t n_here = std::min(n_in_block, n_triangles - first);
     // Lanes past the last face take a sound one.
     for (std::size_t i = n_here; i < n_in_block; ++i) {
       for (Corners& corner : corners) std::fill_n(&corner[4 * i], 4, 0.0f);
       corners[1][4 * i] = corners[2][4 * i + 1] = 1;
     }
-    gather(positions, triangles + first, n_here, corners);
+    gather<sizeof(glm::vec3)>(positions, triangles + first, n_here, corners);
     for (std::size_t i = 0; i < n_here; i += hn::Lanes(f)) {
-      const Edges edges = edges_of(load_corners(&corners[0][4 * i]), load_corners(&corners[1][4 * i]),
-                                   load_corners(&corners[2][4 * i]));
-      const F3 n_scaled = cross(scale(edges.e1, edges.per_unit), scale(edges.e2, edges.per_unit));
-      // Far above both the rounding of float, 1e-12 here, and the least area.
-      if (!hn::AllTrue(f, is_sure(edges, dot(n_scaled, n_scaled), 1e-6f))) return false;
+      const F3 p0 = load_corners(f, &corners[0][4 * i]);
+      const F3 e1 = subtract(load_corners(f, &corners[1][4 * i]), p0),
+               e2 = subtract(load_corners(f, &corners[2][4 * i]), p0), n = cross(e1, e2);
+      // Far above both the rounding of float, 1e-13 here, and the least area.
+      const F edges = hn::Add(dot(e1, e1), dot(e2, e2)), square = dot(n, n);
+      const auto is_sure = hn::And(
+          hn::Gt(square, hn::Mul(hn::Mul(edges, hn::Set(f, 1e-6f)), edges)),
+          hn::And(hn::Gt(square, hn::Set(f, least_square)), hn::Lt(square, hn::Set(f, greatest_square))));
+      if (!hn::AllTrue(f, is_sure)) return false;
     }
   }
   return true;
 }
 
 IndexRange range_of(const std::uint32_t* indices, std::size_t n) {
-  std::uint32_t first = indices[0], last = indices[0];
-  for (std::size_t i = 1; i < n; ++i) {
-    first = std::min(first, indices[i]);
-    last = std::max(last, indices[i]);
+  const hn::ScalableTag<std::uint32_t> u;
+  auto least = hn::Set(u, indices[0]), greatest = least;
+  std::size_t i = 0;
+  for (; i + hn::Lanes(u) <= n; i += hn::Lanes(u)) {
+    const auto here = hn::LoadU(u, indices + i);
+    least = hn::Min(least, here);
+    greatest = hn::Max(greatest, here);
   }
-  return {first, last};
+  IndexRange range{hn::GetLane(hn::MinOfLanes(u, least)), hn::GetLane(hn::MaxOfLanes(u, greatest))};
+  for (; i < n; ++i) {
+    range.first = std::min(range.first, indices[i]);
+    range.last = std::max(range.last, indices[i]);
+  }
+  return range;
 }
 
 UnitNormalCounts unit_normals_of(const NormalSum* sums, std::size_t n, glm::vec3* normals) {
   const Doubles d;
-  const Floats f;
+  const FewFloats f;
   const std::size_t lanes = hn::Lanes(d);
   UnitNormalCounts counts;
   for (std::size_t i = 0; i + lanes <= n; i += lanes) {
@@ -386,7 +434,7 @@ UnitNormalCounts unit_normals_of(const NormalSum* sums, std::size_t n, glm::vec3
     const D length = hn::Sqrt(dot(sum, sum));
     const auto has_direction = hn::Gt(length, hn::Mul(weight, hn::Set(d, cancelled)));
     const D reciprocal = hn::IfThenElseZero(has_direction, hn::Div(hn::Set(d, 1.0), length));
-    const F3 normal = demote(scale(sum, reciprocal));
+    const FewF3 normal = demote(scale(sum, reciprocal));
     hn::StoreInterleaved3(normal.x, normal.y, normal.z, f, &normals[i].x);
     counts.n_without += lanes - hn::CountTrue(d, has_direction);
     counts.n_uncertain += hn::CountTrue(d, hn::Lt(length, hn::Mul(weight, hn::Set(d, uncertain))));
@@ -437,8 +485,9 @@ IndexRange index_range(std::span<const glm::uvec3> triangles, std::span<const st
 void add_faces(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles,
                NormalWeight weight, const NormalWindow& window, IndexRange named) {
   const bool is_whole = named.first >= window.first && named.last - window.first < window.sums.size();
+  const bool has_next = window.group_of.empty() && named.last + std::size_t{1} < positions.size();
   HWY_DYNAMIC_DISPATCH(add_faces_of)
-  (positions.data(), triangles.data(), triangles.size(), weight, window, is_whole);
+  (positions.data(), triangles.data(), triangles.size(), weight, window, is_whole, has_next);
 }
 
 void add_faces_exactly(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles,

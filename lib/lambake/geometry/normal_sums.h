@@ -36,6 +36,7 @@ struct NormalWindow {
   std::span<const std::uint32_t> group_of;  ///< Of each vertex, or none: itself.
   std::uint32_t first = 0;                  ///< The group of the first sum.
   std::span<NormalSum> sums;
+  float unit = 1;  ///< Of lengths in the weights: a power of two near the size of the mesh.
 };
 
 /// Adds the faces to the sums of their corners' groups, in the order of the faces: the same bits on every

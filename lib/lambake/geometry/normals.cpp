@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <span>
 
+#include "lambake/core/bounds.h"
 #include "lambake/core/parallel.h"
 #include "lambake/geometry/normal_sums.h"
 
@@ -17,6 +19,19 @@ constexpr std::size_t block_size = 4096;
 glm::dvec3 area_vector(const Mesh& mesh, std::size_t f) {
   const glm::uvec3& t = mesh.triangles[f];
   return lambake::area_vector(mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]);
+}
+
+/// A power of two near the size of the mesh, by a thousand of its vertices.
+float unit_of(std::span<const glm::vec3> positions) {
+  Bounds box;
+  const std::size_t step = std::max<std::size_t>(1, positions.size() / 1000);
+  for (std::size_t i = 0; i < positions.size(); i += step)
+    if (is_finite(positions[i]))
+      box.min = glm::min(box.min, positions[i]), box.max = glm::max(box.max, positions[i]);
+  const glm::vec3 size = box.max - box.min;
+  const float largest = std::max({size.x, size.y, size.z});
+  if (!(largest > 0) || !std::isfinite(largest)) return 1;
+  return std::ldexp(1.0f, std::clamp(std::ilogb(largest), -100, 100));
 }
 
 /// Consecutive faces.
@@ -34,6 +49,7 @@ class GroupNormals {
   GroupNormals(const Mesh& mesh, NormalWeight weight)
       : mesh_(mesh),
         weight_(weight),
+        unit_(unit_of(mesh.positions)),
         group_of_(mesh.normal_groups.empty() ? mesh.source_vertices : mesh.normal_groups),
         n_groups_(group_of_.empty() ? mesh.n_vertices() : 0),
         chunks_((mesh.n_triangles() + chunk_size - 1) / chunk_size) {
@@ -87,7 +103,8 @@ class GroupNormals {
   /// @returns how many of the groups have no direction.
   std::size_t sum_window(std::size_t first, std::span<glm::vec3> normals) const {
     const auto storage = std::make_unique_for_overwrite<NormalSum[]>(normals.size());
-    const NormalWindow window{group_of_, static_cast<std::uint32_t>(first), {storage.get(), normals.size()}};
+    const NormalWindow window{
+        group_of_, static_cast<std::uint32_t>(first), {storage.get(), normals.size()}, unit_};
     std::fill(window.sums.begin(), window.sums.end(), NormalSum{});
     for_each_chunk(first, normals.size(), [&](std::span<const glm::uvec3> triangles, IndexRange named) {
       add_faces(mesh_.positions, triangles, weight_, window, named);
@@ -124,6 +141,7 @@ class GroupNormals {
 
   const Mesh& mesh_;
   NormalWeight weight_;
+  float unit_;
   std::span<const std::uint32_t> group_of_;  // By vertex, or none: each its own.
   std::size_t n_groups_;
   std::vector<Chunk> chunks_;
