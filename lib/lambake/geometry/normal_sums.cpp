@@ -29,11 +29,13 @@ struct alignas(64) Block {
   float x[n_in_block], y[n_in_block], z[n_in_block];  // Twice the area vector; NaN where there may be none.
   float terms[3][n_in_block];                         // Of each corner's weight. All in units of the window.
   float is_sliver[n_in_block];                        // 0 or 1.
+  float length[n_in_block];                           // Of the area vector.
+  float angles[2 * n_in_block];  // The two smaller ones of each face, in the order of the corners.
 };
 
-/// Squared lengths of area vectors between which float neither overflows nor runs dry: of edges between 1e-8
+/// Lengths of area vectors between which squares neither overflow float nor run dry: of edges between 1e-8
 /// and 1e8 units.
-constexpr float least_square = 1e-34f, greatest_square = 1e34f;
+constexpr float least_length = 1e-17f, greatest_length = 1e17f;
 
 /// Squared sine between two edges below which a face is measured in double: the area vector of float is off
 /// by some 1e-7 of the product of the edges.
@@ -151,33 +153,6 @@ HWY_INLINE Vector3<hn::Vec<Tag>> load_corners(Tag tag, const float* corners) {
   return p;
 }
 
-/// An angle of at most a right one by its sine and cosine, up to a factor.
-HWY_INLINE F acute_angle(F y, F x) {
-  const Floats f;
-  const F z = hn::Div(hn::Min(y, x), hn::Max(y, x)), u = hn::Mul(z, z);
-  // Estrin's scheme: short chains.
-  const F u2 = hn::Mul(u, u), u4 = hn::Mul(u2, u2);
-  const auto pair = [&](int i) HWY_ATTR {
-    return hn::Add(hn::Set(f, atan_coefficients[i]), hn::Mul(u, hn::Set(f, atan_coefficients[i + 1])));
-  };
-  const F first = hn::Add(pair(0), hn::Mul(u2, pair(2))), second = hn::Add(pair(4), hn::Mul(u2, pair(6)));
-  const F low = hn::Mul(z, hn::Add(first, hn::Mul(u4, second)));
-  return hn::IfThenElse(hn::Gt(y, x), hn::Sub(hn::Set(f, std::numbers::pi_v<float> / 2), low), low);
-}
-
-/// The angles of triangles from twice the area and the dot products of the edges at each corner. The largest,
-/// which has the least dot product, is what the others leave of π.
-HWY_INLINE F3 angles(F area, F dot0, F dot1, F dot2) {
-  const Floats f;
-  const auto is_0_large = hn::And(hn::Le(dot0, dot1), hn::Le(dot0, dot2));
-  const auto is_1_large = hn::AndNot(is_0_large, hn::Le(dot1, dot2));
-  const F a = acute_angle(area, hn::IfThenElse(is_0_large, dot2, dot0));
-  const F b = acute_angle(area, hn::IfThenElse(is_1_large, dot2, dot1));
-  const F large = hn::Sub(hn::Set(f, std::numbers::pi_v<float>), hn::Add(a, b));
-  return {hn::IfThenElse(is_0_large, large, a), hn::IfThenElse(is_1_large, large, b),
-          hn::IfThenElse(is_0_large, a, hn::IfThenElse(is_1_large, b, large))};
-}
-
 template <NormalWeight weight, typename Tag>
 HWY_INLINE void store_measured(Tag tag, const Vector3<hn::Vec<Tag>>& n, const Vector3<hn::Vec<Tag>>& terms,
                                Block& block, std::size_t i) {
@@ -250,32 +225,90 @@ HWY_INLINE void measure(Block& block, std::size_t i, float per_unit) {
     measure_slivers<weight>(block, i + k, per_unit);
 }
 
-/// From there to weighted normals, in the place of the positions; NaN where float will not do. Apart from
-/// measure(), as the machine works on several faces at a time only where the chains of operations are short.
+/// Which corner of faces has the largest angle, if it is not the last: by the dot products of the edges
+/// there.
+struct Largest {
+  hn::Mask<Floats> is_0, is_1;
+};
+
+HWY_INLINE Largest largest_of(const F3& cosines) {
+  const auto is_0 = hn::And(hn::Le(cosines.x, cosines.y), hn::Le(cosines.x, cosines.z));
+  return {is_0, hn::AndNot(is_0, hn::Le(cosines.y, cosines.z))};
+}
+
+HWY_INLINE F3 load_terms(const Block& block, std::size_t i) {
+  const Floats f;
+  return {hn::Load(f, block.terms[0] + i), hn::Load(f, block.terms[1] + i), hn::Load(f, block.terms[2] + i)};
+}
+
+/// Sine over cosine, or cosine over sine with the sign turned where that is below 1: for arctangents().
+HWY_INLINE F ratio(F sine, F cosine) {
+  const F z = hn::Div(hn::Min(sine, cosine), hn::Max(sine, cosine));
+  return hn::IfThenElse(hn::Gt(sine, cosine), hn::Neg(z), z);
+}
+
+/// The lengths of area vectors and, for angles, the ratios of the two smaller ones.
+template <NormalWeight weight>
+HWY_INLINE void find_lengths(Block& block, std::size_t i) {
+  const Floats f;
+  const F3 n = {hn::Load(f, block.x + i), hn::Load(f, block.y + i), hn::Load(f, block.z + i)};
+  const F length = hn::Sqrt(dot(n, n));
+  hn::Store(length, f, block.length + i);
+  if constexpr (weight == NormalWeight::angle) {
+    const F3 t = load_terms(block, i);
+    const Largest largest = largest_of(t);
+    hn::Store(ratio(length, hn::IfThenElse(largest.is_0, t.z, t.x)), f, block.angles + i);
+    hn::Store(ratio(length, hn::IfThenElse(largest.is_1, t.z, t.y)), f, block.angles + n_in_block + i);
+  }
+}
+
+/// Angles of at most a right one from what ratio() gives, in its place.
+HWY_INLINE void arctangents(float* angles) {
+  const Floats f;
+  const F z = hn::Load(f, angles), u = hn::Mul(z, z);
+  // Estrin's scheme: short chains.
+  const F u2 = hn::Mul(u, u), u4 = hn::Mul(u2, u2);
+  const auto pair = [&](int i) HWY_ATTR {
+    return hn::Add(hn::Set(f, atan_coefficients[i]), hn::Mul(u, hn::Set(f, atan_coefficients[i + 1])));
+  };
+  const F first = hn::Add(pair(0), hn::Mul(u2, pair(2))), second = hn::Add(pair(4), hn::Mul(u2, pair(6)));
+  const F low = hn::Mul(z, hn::Add(first, hn::Mul(u4, second)));
+  const hn::RebindToSigned<Floats> s;
+  const F is_negative = hn::BitCast(f, hn::BroadcastSignBit(hn::BitCast(s, low)));  // Of -0 too.
+  hn::Store(hn::Add(low, hn::And(is_negative, hn::Set(f, std::numbers::pi_v<float> / 2))), f, angles);
+}
+
+template <NormalWeight weight>
+HWY_INLINE F3 weights_of(const Block& block, std::size_t i, F length) {
+  const Floats f;
+  if constexpr (weight == NormalWeight::angle) {
+    // The largest angle is what the others leave of π.
+    const F a = hn::Load(f, block.angles + i), b = hn::Load(f, block.angles + n_in_block + i);
+    const F large = hn::Sub(hn::Set(f, std::numbers::pi_v<float>), hn::Add(a, b));
+    const Largest largest = largest_of(load_terms(block, i));
+    return {hn::IfThenElse(largest.is_0, large, a), hn::IfThenElse(largest.is_1, large, b),
+            hn::IfThenElse(largest.is_0, a, hn::IfThenElse(largest.is_1, b, large))};
+  } else if constexpr (weight == NormalWeight::max) {
+    const F3 t = load_terms(block, i);
+    return {hn::Div(length, hn::Mul(t.y, t.z)), hn::Div(length, hn::Mul(t.x, t.z)),
+            hn::Div(length, hn::Mul(t.x, t.y))};
+  } else {
+    const F same = weight == NormalWeight::area ? length : hn::Set(f, 1.0f);
+    return {same, same, same};
+  }
+}
+
+/// Weighted normals in the place of the positions; NaN where float will not do.
 template <NormalWeight weight>
 HWY_INLINE void weigh(Block& block, std::size_t i) {
   const Floats f;
   const F3 n = {hn::Load(f, block.x + i), hn::Load(f, block.y + i), hn::Load(f, block.z + i)};
-  const F square = dot(n, n), length = hn::Sqrt(square);
+  const F length = hn::Load(f, block.length + i);
   const auto is_sure =
-      hn::And(hn::Gt(square, hn::Set(f, least_square)), hn::Lt(square, hn::Set(f, greatest_square)));
+      hn::And(hn::Gt(length, hn::Set(f, least_length)), hn::Lt(length, hn::Set(f, greatest_length)));
   const F nan = hn::Set(f, std::numeric_limits<float>::quiet_NaN());
   const F3 normal = scale(n, hn::IfThenElse(is_sure, hn::Div(hn::Set(f, 1.0f), length), nan));
-  F3 w;
-  if constexpr (weight == NormalWeight::uniform) {
-    w.x = w.y = w.z = hn::Set(f, 1.0f);
-  } else if constexpr (weight == NormalWeight::area) {
-    w.x = w.y = w.z = length;
-  } else {
-    const F t0 = hn::Load(f, block.terms[0] + i), t1 = hn::Load(f, block.terms[1] + i),
-            t2 = hn::Load(f, block.terms[2] + i);
-    if constexpr (weight == NormalWeight::angle) {
-      w = angles(length, t0, t1, t2);
-    } else {  // Squares of the sides opposite to each corner.
-      w = {hn::Div(length, hn::Mul(t1, t2)), hn::Div(length, hn::Mul(t0, t2)),
-           hn::Div(length, hn::Mul(t0, t1))};
-    }
-  }
+  const F3 w = weights_of<weight>(block, i, length);
   const auto store = [&](F share, int corner) HWY_ATTR {
     hn::StoreInterleaved4(hn::Mul(normal.x, share), hn::Mul(normal.y, share), hn::Mul(normal.z, share), share,
                           f, &block.corners[corner][4 * i]);
@@ -283,6 +316,19 @@ HWY_INLINE void weigh(Block& block, std::size_t i) {
   store(w.x, 0);
   store(w.y, 1);
   store(w.z, 2);
+}
+
+/// From positions to weighted normals, for up to a block of faces. In several loops: the machine works on
+/// several faces at a time only where the chains of operations are short.
+template <NormalWeight weight>
+HWY_INLINE void compute(Block& block, std::size_t n, float per_unit) {
+  const std::size_t lanes = hn::Lanes(Floats());
+  for (std::size_t i = 0; i < n; i += lanes) measure<weight>(block, i, per_unit);
+  for (std::size_t i = 0; i < n; i += lanes) find_lengths<weight>(block, i);
+  if constexpr (weight == NormalWeight::angle)
+    for (float* angles : {block.angles, block.angles + n_in_block})
+      for (std::size_t i = 0; i < n; i += lanes) arctangents(angles + i);
+  for (std::size_t i = 0; i < n; i += lanes) weigh<weight>(block, i);
 }
 
 /// The positions of up to a block of faces.
@@ -336,8 +382,7 @@ void add_all(const glm::vec3* positions, const glm::uvec3* triangles, std::size_
       gather<16>(positions, faces, n_here, block.corners);
     else
       gather<12>(positions, faces, n_here, block.corners);
-    for (std::size_t i = 0; i < n_here; i += hn::Lanes(Floats())) measure<weight>(block, i, per_unit);
-    for (std::size_t i = 0; i < n_here; i += hn::Lanes(Floats())) weigh<weight>(block, i);
+    compute<weight>(block, n_here, per_unit);
     for (std::size_t i = 0; i < n_here; ++i) {
       const glm::uvec3& t = faces[i];
       if (std::isnan(block.corners[0][4 * i])) {
@@ -396,9 +441,9 @@ bool have_area_of(const glm::vec3* positions, const glm::uvec3* triangles, std::
                e2 = subtract(load_corners(f, &corners[2][4 * i]), p0), n = cross(e1, e2);
       // Far above both the rounding of float, 1e-13 here, and the least area.
       const F edges = hn::Add(dot(e1, e1), dot(e2, e2)), square = dot(n, n);
-      const auto is_sure = hn::And(
-          hn::Gt(square, hn::Mul(hn::Mul(edges, hn::Set(f, 1e-6f)), edges)),
-          hn::And(hn::Gt(square, hn::Set(f, least_square)), hn::Lt(square, hn::Set(f, greatest_square))));
+      const auto is_sure = hn::And(hn::Gt(square, hn::Mul(hn::Mul(edges, hn::Set(f, 1e-6f)), edges)),
+                                   hn::And(hn::Gt(square, hn::Set(f, least_length * least_length)),
+                                           hn::Lt(square, hn::Set(f, greatest_length * greatest_length))));
       if (!hn::AllTrue(f, is_sure)) return false;
     }
   }
