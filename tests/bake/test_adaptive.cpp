@@ -199,6 +199,70 @@ TEST(Adaptive, MaxVertices_StopsThereAndSaysSo) {
   EXPECT_GE(baked.certificate->max_bound, surface_error(scene, baked, ErrorSpace::display).max_sampled);
 }
 
+/// Barycentrics in the triangle of the foot of p in its plane.
+glm::dvec3 barycentrics_of(const Mesh& mesh, const glm::uvec3& t, const glm::dvec3& p) {
+  const glm::dvec3 o(mesh.positions[t[0]]), e1 = glm::dvec3(mesh.positions[t[1]]) - o,
+                                            e2 = glm::dvec3(mesh.positions[t[2]]) - o, d = p - o;
+  const double a = glm::dot(e1, e1), b = glm::dot(e1, e2), c = glm::dot(e2, e2);
+  const double x = glm::dot(d, e1), y = glm::dot(d, e2), det = a * c - b * b;
+  const double b1 = (c * x - b * y) / det, b2 = (a * y - b * x) / det;
+  return {1 - b1 - b2, b1, b2};
+}
+
+/// The largest difference on screen between the mesh as its floats have it and light per pixel at the same
+/// places of the scene's surface, at ten places of each triangle. One sun.
+double error_as_stored(const Scene& scene, const BakedColors& baked) {
+  double worst = 0;
+  for (std::size_t f = 0; f < baked.mesh->n_triangles(); ++f) {
+    const glm::uvec3 t = baked.mesh->triangles[f], whole = scene.mesh.triangles[baked.parent_triangles[f]];
+    for (int i = 0; i <= 3; ++i)
+      for (int j = 0; i + j <= 3; ++j) {
+        const glm::dvec3 b(i / 3.0, j / 3.0, (3 - i - j) / 3.0);
+        glm::dvec3 place(0), normal(0);
+        double shown = 0;
+        for (int c = 0; c < 3; ++c) {
+          place += b[c] * glm::dvec3(baked.mesh->positions[t[c]]);
+          shown += b[c] * baked.colors[t[c]].r;
+        }
+        const glm::dvec3 there = barycentrics_of(scene.mesh, whole, place);
+        for (int c = 0; c < 3; ++c) normal += there[c] * glm::dvec3(scene.mesh.normals[whole[c]]);
+        const double cosine =
+            glm::dot(glm::normalize(normal), glm::dvec3(scene.lights[0].direction_to_light));
+        worst = std::max(worst, std::abs(compared(shown, ErrorSpace::display) -
+                                         compared(std::max(0.0, cosine), ErrorSpace::display)));
+      }
+  }
+  return worst;
+}
+
+// Cut vertices are rounded to float, which far from the origin is no small share of a triangle.
+TEST(Adaptive, FarFromTheOrigin_WhatTheRoundedMeshShowsIsWithinTheBound) {
+  for (const float distance : {0.0f, 1e4f, 1e6f, 4e6f}) {
+    Mesh mesh = icosphere(3);
+    for (glm::vec3& p : mesh.positions) p = glm::round(p * 64.0f) * 0.5f + glm::vec3(distance);
+    const Scene scene = scene_of(std::move(mesh), {sun({0.4f, 1, 0.3f})});
+    const BakedColors baked = bake_adaptively(scene);
+    EXPECT_LE(error_as_stored(scene, baked), baked.certificate->max_bound) << distance;
+    EXPECT_LE(error_as_stored(scene, baked), surface_bound(scene, baked, {}).max_bound) << distance;
+    EXPECT_EQ(baked.certificate->is_certified, distance < 1e5f) << distance;
+    std::size_t n_told = 0;
+    for (const Finding& finding : baked.findings)
+      if (finding.code == "triangles_open_by_position") n_told = finding.count;
+    EXPECT_EQ(n_told > 0, distance > 1e5f) << distance;
+  }
+}
+
+TEST(Adaptive, NoTimeAtAll_LeavesTheMeshUncutAndWithoutABound) {
+  const Scene scene = scene_of(icosphere(2), {sun({0.4f, 1, 0.3f})});
+  const BakedColors baked = bake(scene, {.method = BakeMethod::adaptive, .max_seconds = 1e-9});
+  EXPECT_EQ(baked.mesh->n_triangles(), scene.mesh.n_triangles());
+  EXPECT_FALSE(baked.certificate->is_certified);
+  EXPECT_TRUE(std::isinf(baked.certificate->max_bound));
+  ASSERT_FALSE(baked.findings.empty());
+  EXPECT_EQ(baked.findings[0].code, "triangles_not_bounded");
+  EXPECT_EQ(baked.findings[0].count, scene.mesh.n_triangles());
+}
+
 TEST(Adaptive, StoredColours_AreWhatIsCertified) {
   const Scene scene = scene_of(icosphere(2), {sun({0.4f, 1, 0.3f})});
   const auto to_u8 = [](float x) { return std::round(std::clamp(x, 0.0f, 1.0f) * 255) / 255; };

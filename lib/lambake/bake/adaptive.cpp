@@ -18,6 +18,7 @@
 #include "lambake/core/parallel.h"
 #include "lambake/geometry/cutting.h"
 #include "lambake/shading/finish.h"
+#include "lambake/shading/moved_corners.h"
 #include "lambake/shading/patch_bound.h"
 
 namespace lambake {
@@ -114,10 +115,18 @@ class AdaptiveBake {
       unbounded += !std::isfinite(b);
     }
     certificate.is_certified = certificate.open_triangles == 0;
-    add_finding(baked.findings, "unbounded_triangles", unbounded,
-                "triangle[ is|s are] touched by a light, so that the error there has no bound");
+    if (is_late())
+      add_finding(baked.findings, "triangles_not_bounded", unbounded,
+                  "triangle[ has|s have] no bound: the time was up, or a light touches [it|them]");
+    else
+      add_finding(baked.findings, "unbounded_triangles", unbounded,
+                  "triangle[ is|s are] touched by a light, so that the error there has no bound");
     add_finding(baked.findings, "open_triangles", certificate.open_triangles - unbounded,
                 "triangle[ is|s are] not certified to be within the tolerance");
+    add_finding(
+        baked.findings, "triangles_open_by_position", n_moved(),
+        "of them ha[s|ve] corners that cuts made and that float rounds too far: move the model to the "
+        "origin");
     add_finding(
         baked.findings, "triangles_without_direction", n_without_direction(),
         "of them ha[s|ve] normals that cancel inside or at a corner: light per pixel has no direction there "
@@ -135,8 +144,9 @@ class AdaptiveBake {
 
  private:
   bool is_late() const {
+    if (options_.max_seconds <= 0) return false;
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start_;
-    return options_.max_seconds > 0 && elapsed.count() > options_.max_seconds;
+    return elapsed.count() > options_.max_seconds;
   }
 
   /// The triangles with a bound above `level`, ascending.
@@ -230,6 +240,14 @@ class AdaptiveBake {
     return count_open() - n_before;
   }
 
+  std::size_t n_moved() const {
+    std::size_t n = 0;
+    for (std::uint32_t f = 0; f < bounds_.size(); ++f)
+      n += bounds_[f] > options_.tolerance && std::isfinite(bounds_[f]) && has_direction(f) &&
+           !can_be_mended(f, options_.tolerance);
+    return n;
+  }
+
   std::size_t n_without_direction() const {
     std::size_t n = 0;
     for (std::uint32_t f = 0; f < bounds_.size(); ++f)
@@ -237,24 +255,43 @@ class AdaptiveBake {
     return n;
   }
 
-  /// Certified bounds of the triangles, no better than `level` needs.
+  /// Certified bounds of the triangles, no better than `level` needs; none once it is late.
   void bound(const std::vector<std::uint32_t>& triangles, double level) {
-    BoundOptions how;
-    how.space = options_.tolerance_space;
-    how.accept = how.reject = level;
-    how.tightness = 1;
-    how.max_parts = max_parts;
     parallel_blocks(triangles.size(), block_size, [&](std::size_t begin, std::size_t end) {
       std::vector<std::uint32_t> lights;
+      BoundOptions how;
+      how.space = options_.tolerance_space;
+      how.tightness = 1;
+      how.max_parts = max_parts;
       for (std::size_t i = begin; i < end; ++i) {
         const std::uint32_t f = triangles[i];
-        const Patch patch = colors_.patch(cut_.mesh().triangles[f]);
+        bounds_[f] = infinity;
+        if (is_late()) continue;
         bounds_[f] = 0;
+        const Patch patch = colors_.patch(cut_.mesh().triangles[f]);
         if (area_of(patch) == 0) continue;
         find_reaching_lights(scene_.lights, patch, lights);
-        bounds_[f] = bound_patch(patch, finishes_.over(cut_.mesh(), f), scene_.lights, lights, how).bound;
+        const FinishRange finish = finishes_.over(cut_.mesh(), f);
+        const double moved = change_by_rounding(f, patch, finish);
+        how.accept = how.reject = std::max(level - moved, 0.5 * level);
+        bounds_[f] = bound_patch(patch, finish, scene_.lights, lights, how).bound + moved;
       }
     });
+  }
+
+  /// What the colours of a triangle change because its corners are stored as float.
+  double change_by_rounding(std::uint32_t f, const Patch& patch, const FinishRange& finish) const {
+    const glm::uvec3& t = cut_.mesh().triangles[f];
+    const auto stored = [&](int c) { return glm::dvec3(cut_.mesh().positions[t[c]]); };
+    return change_by_moved_corners(patch, finish, {stored(0), stored(1), stored(2)},
+                                   options_.tolerance_space);
+  }
+
+  /// Whether cutting a triangle can bring it below `level`: not where its normals have no direction, or the
+  /// rounding of its corners alone takes half of that.
+  bool can_be_mended(std::uint32_t f, double level) const {
+    return has_direction(f) && change_by_rounding(f, colors_.patch(cut_.mesh().triangles[f]),
+                                                  finishes_.over(cut_.mesh(), f)) <= 0.5 * level;
   }
 
   /// The error along the side between the vertices a and b; t from the lower place to the higher.
@@ -272,14 +309,14 @@ class AdaptiveBake {
   std::vector<CutMark> find_marks(const std::vector<std::uint32_t>& active, double level, bool is_thorough) {
     std::vector<std::uint32_t> open;
     for (const std::uint32_t f : active)
-      if (bounds_[f] > level && has_direction(f)) open.push_back(f);
+      if (bounds_[f] > level && can_be_mended(f, level)) open.push_back(f);
     struct Candidate {
-      std::uint32_t low, high;
-      double error, t;
+      std::uint32_t low = 0, high = 0;
+      double error = -1, t = 0;
     };
     std::vector<std::array<Candidate, 3>> found(open.size());
     parallel_blocks(open.size(), block_size, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) {
+      for (std::size_t i = begin; i < end && !is_late(); ++i) {
         const FinishRange finish = finishes_.over(cut_.mesh(), open[i]);
         const glm::uvec3& t = cut_.mesh().triangles[open[i]];
         std::array<double, 3> merit{}, bulges{};

@@ -104,7 +104,6 @@ namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 
 using Floats = hn::CappedTag<float, 8>;
-using Words = hn::Rebind<std::uint32_t, Floats>;
 using F = hn::Vec<Floats>;
 // As many floats as there are doubles in a vector, so that the two go side by side.
 using Doubles = hn::CappedTag<double, 8>;

@@ -5,6 +5,7 @@
 
 #include "lambake/core/parallel.h"
 #include "lambake/measure/surface.h"
+#include "lambake/shading/moved_corners.h"
 
 namespace lambake {
 
@@ -16,11 +17,16 @@ SurfaceBound surface_bound(const Scene& scene, const BakedColors& baked, const B
   std::vector<PatchBound> bounds(n);
   parallel_blocks(n, block_size, [&](std::size_t begin, std::size_t end) {
     std::vector<std::uint32_t> lights;
+    BoundOptions how = options;
     for (std::size_t f = begin; f < end; ++f) {
       const Patch patch = surface.patch(f);
       if (area_of(patch) == 0) continue;
       find_reaching_lights(scene.lights, patch, lights);
-      bounds[f] = bound_patch(patch, surface.finish_range(f), scene.lights, lights, options);
+      const FinishRange finish = surface.finish_range(f);
+      const double moved = change_by_moved_corners(patch, finish, surface.stored_corners(f), options.space);
+      how.accept = std::max(options.accept - moved, 0.5 * options.accept);
+      bounds[f] = bound_patch(patch, finish, scene.lights, lights, how);
+      bounds[f].bound += moved;
     }
   });
 

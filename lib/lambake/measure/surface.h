@@ -20,6 +20,12 @@ class ComparedSurface {
 
   std::size_t n_triangles() const { return mesh_.n_triangles(); }
   Patch patch(std::size_t triangle) const;
+  /// The corners of a triangle as the mesh has them: those that cuts made are rounded to float.
+  glm::dmat3 stored_corners(std::size_t triangle) const {
+    const glm::uvec3& t = mesh_.triangles[triangle];
+    return {glm::dvec3(mesh_.positions[t[0]]), glm::dvec3(mesh_.positions[t[1]]),
+            glm::dvec3(mesh_.positions[t[2]])};
+  }
   Finish finish_at(std::size_t triangle, const glm::dvec3& b) const {
     return finishes_.at(mesh_, triangle, b);
   }

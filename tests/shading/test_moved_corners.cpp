@@ -1,0 +1,101 @@
+#include "lambake/shading/moved_corners.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+
+namespace lambake {
+namespace {
+
+struct Random {
+  std::mt19937_64 engine;
+  double operator()(double low, double high) {
+    return low + (high - low) * static_cast<double>(engine() >> 11) * 0x1p-53;
+  }
+};
+
+Patch random_patch(Random& random) {
+  Patch patch;
+  for (int k = 0; k < 3; ++k)
+    for (int c = 0; c < 3; ++c) {
+      patch.positions[k][c] = random(-1, 1);
+      patch.colors[k][c] = random(0, 1);
+    }
+  return patch;
+}
+
+/// Barycentrics of the foot of p in the plane of the patch.
+glm::dvec3 barycentrics_of(const Patch& patch, const glm::dvec3& p) {
+  const glm::dvec3 e1 = patch.positions[1] - patch.positions[0], e2 = patch.positions[2] - patch.positions[0],
+                   d = p - patch.positions[0];
+  const double a = glm::dot(e1, e1), b = glm::dot(e1, e2), c = glm::dot(e2, e2);
+  const double x = glm::dot(d, e1), y = glm::dot(d, e2), det = a * c - b * b;
+  const double b1 = (c * x - b * y) / det, b2 = (a * y - b * x) / det;
+  return {1 - b1 - b2, b1, b2};
+}
+
+TEST(MovedCorners, NoneMovedOrNoArea_ChangesNothing) {
+  Random random;
+  Patch patch = random_patch(random);
+  EXPECT_EQ(change_by_moved_corners(patch, {}, patch.positions, ErrorSpace::linear), 0);
+  patch.positions[2] = patch.positions[1];
+  EXPECT_EQ(change_by_moved_corners(patch, {}, glm::dmat3(0.0), ErrorSpace::linear), 0);
+}
+
+TEST(MovedCorners, AlongTheGradientOfARightTriangle_TheSlopeTimesTheMove) {
+  Patch patch;
+  patch.positions = {glm::dvec3(0, 0, 0), glm::dvec3(2, 0, 0), glm::dvec3(0, 1, 0)};
+  patch.colors = {glm::dvec3(0), glm::dvec3(0.5), glm::dvec3(0)};
+  const auto moved = [&](const glm::dvec3& move) {
+    glm::dmat3 stored = patch.positions;
+    stored[0] += move;
+    return change_by_moved_corners(patch, {}, stored, ErrorSpace::linear);
+  };
+  EXPECT_DOUBLE_EQ(moved({0.1, 0, 0}), 0.025);
+  EXPECT_DOUBLE_EQ(moved({-0.1, 0, 0}), 0.025);
+  EXPECT_DOUBLE_EQ(moved({0, 0.1, 0}), 0);
+  EXPECT_DOUBLE_EQ(moved({0, 0, 0.1}), 0);  // Out of the plane.
+  FinishRange half;
+  half.base_low = half.base_high = glm::dvec3(0.5);
+  glm::dmat3 stored = patch.positions;
+  stored[0].x += 0.1;
+  EXPECT_DOUBLE_EQ(change_by_moved_corners(patch, half, stored, ErrorSpace::linear), 0.0125);
+}
+
+// The change at a point: the stored triangle shows there what the patch has at the same barycentrics.
+TEST(MovedCorners, RandomPatches_NoChangeIsAboveTheBound) {
+  Random random;
+  for (const ErrorSpace space : {ErrorSpace::linear, ErrorSpace::display})
+    for (int i = 0; i < 2000; ++i) {
+      const Patch patch = random_patch(random);
+      glm::dmat3 stored = patch.positions;
+      for (int k = 0; k < 3; ++k)
+        for (int c = 0; c < 3; ++c) stored[k][c] += random(-1e-3, 1e-3);
+      FinishRange finish;
+      finish.base_low = glm::dvec3(random(0, 0.5));
+      finish.base_high = finish.base_low + random(0, 0.5);
+      finish.emission_low = finish.emission_high = glm::dvec3(random(0, 0.1));
+      const double bound = change_by_moved_corners(patch, finish, stored, space);
+      double found = 0;
+      for (int k = 0; k < 20; ++k) {
+        glm::dvec3 b(random(0, 1), random(0, 1), random(0, 1));
+        if (k < 3) b = glm::dvec3(k == 0, k == 1, k == 2);
+        b /= b.x + b.y + b.z;
+        const glm::dvec3 shown = patch.colors * b, there = patch.colors * barycentrics_of(patch, stored * b);
+        for (int c = 0; c < 3; ++c)
+          for (const double base : {finish.base_low[c], finish.base_high[c]}) {
+            const double e = finish.emission_low[c];
+            found = std::max(
+                found, std::abs(compared(base * shown[c] + e, space) - compared(base * there[c] + e, space)));
+          }
+      }
+      EXPECT_LE(found, bound * (1 + 1e-9)) << i;
+      if (space == ErrorSpace::linear) {
+        EXPECT_GE(found, bound * (1 - 1e-9)) << i;
+      }
+    }
+}
+
+}  // namespace
+}  // namespace lambake
