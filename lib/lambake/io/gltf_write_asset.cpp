@@ -8,6 +8,7 @@
 #include "lambake/io/gltf_asset.h"
 #include "lambake/io/gltf_color.h"
 #include "lambake/io/gltf_merge.h"
+#include "lambake/io/gltf_prune.h"
 #include "lambake/io/gltf_rewrite.h"
 #include "lambake/io/gltf_source.h"
 #include "lambake/io/gltf_write.h"
@@ -35,6 +36,7 @@ class AssetWriter {
       if (is_lit(asset_.placed[i])) light(asset_.placed[i], primitives[i], document, rewriter);
     if (options_.mark_unlit) mark_materials(document.json);
     drop_unused_draco(document.json);
+    if (n_rewritten_ > 0) drop_replaced(asset_.json, document);
     tell();
     return std::move(written_);
   }
