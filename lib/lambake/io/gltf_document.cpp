@@ -40,18 +40,16 @@ std::string uri_of(const std::string& name) {
 /// The bytes of `buffers[0]`.
 std::uint64_t buffer_size(const GltfDocument& document) {
   if (!document.bin.empty() || document.lent.empty()) return bin_offset(document) + document.bin.size();
-  std::uint64_t size = 0;  // The last part is not padded.
-  for (const std::span<const unsigned char> bytes : document.lent) size = padded(size) + bytes.size();
-  return size;
+  return document.lent.back().begin + document.lent.back().bytes.size();  // The last part is not padded.
 }
 
 void write_buffer(OutputFile& file, const GltfDocument& document) {
   constexpr char zeros[] = "\0\0\0";
   std::uint64_t size = 0;
-  for (const std::span<const unsigned char> bytes : document.lent) {
-    file.write(zeros, padded(size) - size);
+  for (const auto& [bytes, begin] : document.lent) {
+    file.write(zeros, begin - size);
     file.write(bytes.data(), bytes.size());
-    size = padded(size) + bytes.size();
+    size = begin + bytes.size();
   }
   if (document.bin.empty()) return;
   file.write(zeros, padded(size) - size);
@@ -98,9 +96,11 @@ void write_gltf_and_bin(const std::string& path, GltfDocument& document) {
 }  // namespace
 
 std::size_t bin_offset(const GltfDocument& document) {
-  std::uint64_t size = 0;
-  for (const std::span<const unsigned char> bytes : document.lent) size += padded(bytes.size());
-  return size;
+  return document.lent.empty() ? 0 : padded(document.lent.back().begin + document.lent.back().bytes.size());
+}
+
+void lend(GltfDocument& document, std::span<const unsigned char> bytes) {
+  document.lent.push_back({bytes, bin_offset(document)});
 }
 
 IndexElements::IndexElements(std::span<const glm::uvec3> triangles, std::size_t n_vertices)
@@ -145,7 +145,7 @@ std::size_t append_view(GltfDocument& document, std::span<const unsigned char> b
   if (stride != 0) view["byteStride"] = stride;
   if (target != 0) view["target"] = target;
   if (is_lent) {
-    document.lent.push_back(bytes);
+    lend(document, bytes);
   } else {
     document.bin.insert(document.bin.end(), bytes.begin(), bytes.end());
   }

@@ -22,17 +22,24 @@ inline constexpr int byte = 5120, unsigned_byte = 5121, short_ = 5122, unsigned_
 inline constexpr int array_buffer = 34962, element_array_buffer = 34963;
 }  // namespace gltf
 
+/// Bytes that are not copied: they have to outlive the document.
+struct LentBytes {
+  std::span<const unsigned char> bytes;
+  std::size_t begin = 0;  ///< In `buffers[0]`; a multiple of 4.
+};
+
 struct GltfDocument {
   GltfJson json = GltfJson::object();
-  /// The first bytes of `buffers[0]`, each part 4-aligned, that are not copied: they have to outlive the
-  /// document.
-  std::vector<std::span<const unsigned char>> lent;
+  std::vector<LentBytes> lent;  ///< The first bytes of `buffers[0]`; see lend().
   /// The bytes of `buffers[0]` behind those, where the document has data of its own.
   std::vector<unsigned char> bin;
 };
 
 /// Where `bin` begins in `buffers[0]`, or where bytes would that are lent next.
 std::size_t bin_offset(const GltfDocument& document);
+
+/// Adds to `lent`.
+void lend(GltfDocument& document, std::span<const unsigned char> bytes);
 
 /// Elements to be added: `count` of them, `bytes.size() / count` apart (a multiple of 4 for attributes).
 struct GltfElements {

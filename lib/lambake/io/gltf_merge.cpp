@@ -12,7 +12,7 @@ constexpr const char* meshopt = "EXT_meshopt_compression";
 /// Views may hold any component type: buffers begin at multiples of 8.
 void align(GltfDocument& document) {
   static constexpr unsigned char zeros[4] = {};
-  if (bin_offset(document) % 8 != 0) document.lent.emplace_back(zeros);
+  if (bin_offset(document) % 8 != 0) lend(document, zeros);
 }
 
 /// Where the bytes of each buffer went.
@@ -74,7 +74,7 @@ void merge_buffers(const GltfAsset& asset, GltfDocument& document, Findings& fin
     const std::vector<unsigned char>& bytes = asset.model.buffers[i].data;
     align(document);
     moved[i].offset = bin_offset(document);
-    document.lent.emplace_back(bytes);
+    lend(document, bytes);
     buffer.erase("uri");
     if (first.is_null()) first = std::move(buffer);
   }

@@ -177,14 +177,11 @@ void drop_bytes(GltfDocument& document, const std::vector<Range>& free) {
   std::vector<unsigned char> bin;
   for (const auto part : parts_left(document.bin, bin_offset(document), free))
     bin.insert(bin.end(), part.begin(), part.end());
-  std::vector<std::span<const unsigned char>> lent;
-  std::size_t begin = 0;
-  for (const auto bytes : document.lent) {
-    for (const auto part : parts_left(bytes, begin, free)) lent.push_back(part);
-    begin += (bytes.size() + 3) / 4 * 4;
-  }
   document.bin = std::move(bin);
-  document.lent = std::move(lent);
+  const std::vector<LentBytes> lent = std::move(document.lent);
+  document.lent.clear();
+  for (const auto& [bytes, begin] : lent)
+    for (const auto part : parts_left(bytes, begin, free)) lend(document, part);
   visit_ranges(document.json["bufferViews"], [&](GltfJson& holder, const Range& range) {
     std::size_t n_before = 0;
     for (const Range& r : free)

@@ -105,7 +105,15 @@ class NewAsset {
     std::erase_if(parts, [](const Part& part) { return part.triangles.empty(); });
     n_materials = parts.size();
     std::vector<bool> is_written(mesh_.n_vertices(), false);
-    for (Part& part : parts) compact(part, is_sound, n_materials == 1, is_written);
+    // Used again by each part: with many materials an array for each would take quadratic time.
+    std::vector<std::uint32_t> index(mesh_.n_vertices());
+    for (Part& part : parts) {
+      choose_vertices(part, is_sound, n_materials == 1);
+      for (std::uint32_t i = 0; i < part.vertices.size(); ++i) index[part.vertices[i]] = i;
+      for (glm::uvec3& t : part.triangles)
+        for (int c = 0; c < 3; ++c) t[c] = index[t[c]];
+      for (const std::uint32_t v : part.vertices) is_written[v] = true;
+    }
     std::size_t n_left_out = 0;
     for (std::size_t v = 0; v < mesh_.n_vertices(); ++v)
       if (is_sound[v] && !is_written[v]) ++n_left_out;
@@ -118,25 +126,20 @@ class NewAsset {
     return parts;
   }
 
-  void compact(Part& part, const std::vector<bool>& is_sound, bool keeps_isolated,
-               std::vector<bool>& is_written) const {
-    constexpr std::uint32_t unused = std::numeric_limits<std::uint32_t>::max();
-    std::vector<std::uint32_t> index(mesh_.n_vertices(), keeps_isolated ? 0 : unused);
-    if (!keeps_isolated)
-      for (const glm::uvec3& t : part.triangles)
-        for (int c = 0; c < 3; ++c) index[t[c]] = 0;
-    for (std::uint32_t v = 0; v < mesh_.n_vertices(); ++v) {
-      if (!is_sound[v] || index[v] == unused) continue;
-      index[v] = static_cast<std::uint32_t>(part.vertices.size());
-      part.vertices.push_back(v);
-      is_written[v] = true;
+  /// The vertices that a part's triangles name, or all sound ones; ascending.
+  static void choose_vertices(Part& part, const std::vector<bool>& is_sound, bool keeps_isolated) {
+    if (keeps_isolated) {
+      for (std::uint32_t v = 0; v < is_sound.size(); ++v)
+        if (is_sound[v]) part.vertices.push_back(v);
+      return;
     }
-    for (glm::uvec3& t : part.triangles)
-      for (int c = 0; c < 3; ++c) t[c] = index[t[c]];
+    for (const glm::uvec3& t : part.triangles) part.vertices.insert(part.vertices.end(), {t.x, t.y, t.z});
+    std::sort(part.vertices.begin(), part.vertices.end());
+    part.vertices.erase(std::unique(part.vertices.begin(), part.vertices.end()), part.vertices.end());
   }
 
   template <typename T>
-  std::size_t lend(GltfDocument& document, std::span<const T> values, const char* type = "VEC3") {
+  std::size_t append_lent(GltfDocument& document, std::span<const T> values, const char* type = "VEC3") {
     return append_accessor(
         document, {.bytes = bytes_of(values), .count = values.size(), .type = type, .is_lent = true});
   }
@@ -144,17 +147,17 @@ class NewAsset {
   GltfJson write_primitive(GltfDocument& document, const Part& part) {
     GltfJson attributes = GltfJson::object();
     const std::span<const glm::vec3> positions = kept_.of_part(mesh_.positions, part);
-    attributes["POSITION"] = lend(document, positions);
+    attributes["POSITION"] = append_lent(document, positions);
     const Bounds box = bounds_of(positions);
     GltfJson& accessor = document.json["accessors"].back();
     accessor["min"] = {box.min.x, box.min.y, box.min.z};
     accessor["max"] = {box.max.x, box.max.y, box.max.z};
     if (!mesh_.normals.empty())
-      attributes["NORMAL"] = lend(document, with_directions(kept_.of_part(mesh_.normals, part)));
+      attributes["NORMAL"] = append_lent(document, with_directions(kept_.of_part(mesh_.normals, part)));
     for (std::size_t set = 0; set < mesh_.texcoords.size(); ++set)
       if (!mesh_.texcoords[set].empty())
         attributes[fmt::format("TEXCOORD_{}", set)] =
-            lend(document, kept_.of_part(mesh_.texcoords[set], part), "VEC2");
+            append_lent(document, kept_.of_part(mesh_.texcoords[set], part), "VEC2");
     attributes[options_.attribute] = write_colors(document, part, positions.size());
     const std::span<const glm::uvec3> triangles = part.is_whole ? mesh_.triangles : part.triangles;
     GltfElements indices = kept_.keep(IndexElements(triangles, positions.size())).elements();
