@@ -89,14 +89,30 @@ GlbChunks split_glb(const std::vector<unsigned char>& bytes, const std::string& 
   return chunks;
 }
 
+/// How deep arrays and objects of JSON text lie in each other. Before it is parsed: the parser itself tells
+/// depths only at the price of quadratic time.
+int depth_of(std::span<const unsigned char> text) {
+  int depth = 0, deepest = 0;
+  bool is_string = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const unsigned char c = text[i];
+    if (is_string && c == '\\') {
+      ++i;
+    } else if (c == '"') {
+      is_string = !is_string;
+    } else if (!is_string) {
+      depth += (c == '[' || c == '{') - (c == ']' || c == '}');
+      deepest = std::max(deepest, depth);
+    }
+  }
+  return deepest;
+}
+
 GltfJson parse_json(std::span<const unsigned char> text, const std::string& path) {
-  const auto check_depth = [&](int depth, GltfJson::parse_event_t, GltfJson&) {
-    if (depth > deepest_json)
-      throw IoError(path, fmt::format("expected JSON nested at most {} levels deep", deepest_json));
-    return true;
-  };
+  if (depth_of(text) > deepest_json)
+    throw IoError(path, fmt::format("expected JSON nested at most {} levels deep", deepest_json));
   try {
-    return GltfJson::parse(text.begin(), text.end(), check_depth);
+    return GltfJson::parse(text.begin(), text.end());
   } catch (const GltfJson::exception& error) {
     // What it found may be a megabyte of data.
     constexpr std::size_t longest = 300;
