@@ -247,6 +247,15 @@ TEST(HostileGltf, JsonOf100000Levels_IsRefused) {
   EXPECT_EQ(outcome_of(deep).second, 3);
 }
 
+TEST(HostileGltf, JsonOf256Levels_OrBracketsInText_AreRead) {
+  const auto with_extras = [](const std::string& extras) {
+    return triangle().dump().insert(1, "\"extras\":" + extras + ",");
+  };
+  EXPECT_EQ(outcome_of(with_extras(std::string(255, '[') + std::string(255, ']'))).second, 0);
+  EXPECT_EQ(outcome_of(with_extras(std::string(256, '[') + std::string(256, ']'))).second, 3);
+  EXPECT_EQ(outcome_of(with_extras("\"\\\"" + std::string(300, '{') + "\"")).second, 0);
+}
+
 TEST(HostileGltf, GlbWithAWrongLength_OrCutAnywhere_IsRefused) {
   const std::string bytes = read_bytes(meshes_folder() + "gltf/box01.glb");
   ASSERT_EQ(outcome_of(bytes, "x.glb").second, 0);
