@@ -72,6 +72,11 @@ TEST(Framing, NoneOrOneOrNotFinitePoints_GiveAFiniteCamera) {
       for (int j = 0; j < 4; ++j) EXPECT_TRUE(std::isfinite(frame(points, 1).world_from_camera[i][j]));
 }
 
+TEST(Framing, PointsAtTheEndsOfFloat_AreRefused) {
+  EXPECT_NO_THROW(frame(std::vector<glm::vec3>{{-1e37f, 0, 0}, {1e37f, 0, 0}}, 1));
+  EXPECT_THROW(frame(std::vector<glm::vec3>{{-3e38f, 0, 0}, {3e38f, 0, 0}}, 1), InvalidScene);
+}
+
 TEST(LookAt, AnyDirection_MapsTheTargetToTheMiddleAndKeepsLengths) {
   const glm::vec3 target(1, 2, 3);
   for (const glm::vec3& eye : {glm::vec3(4, 5, 6), glm::vec3(1, 9, 3), glm::vec3(1, -9, 3)}) {

@@ -11,6 +11,7 @@ namespace lambake {
 
 /// A camera that sees all finite `points`, in a sphere around the middle of their box, from a little above
 /// and to the right, for a picture of the given aspect (width / height).
+/// @throws InvalidScene if float has no place for it: points near float's largest.
 Camera frame(std::span<const glm::vec3> points, float aspect);
 
 /// `n_views` such cameras evenly around the model; the first is frame().
