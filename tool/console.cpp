@@ -8,6 +8,15 @@
 
 namespace lambake::tool {
 
+std::string on_one_line(const std::string& text) {
+  std::string line;
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    line += byte < 0x20 || byte == 0x7F ? fmt::format("\\x{:02X}", byte) : std::string(1, c);
+  }
+  return line;
+}
+
 Console::Console(bool is_quiet) : is_quiet_(is_quiet) {
   if (is_quiet || ::isatty(STDERR_FILENO) != 1) return;
   ticker_ = std::jthread([this](const std::stop_token& stop) {
@@ -25,7 +34,7 @@ void Console::note(const std::string& text) {
   if (is_quiet_) return;
   const std::lock_guard lock(mutex_);
   remove_bar();
-  fmt::print(stderr, "lambake: {}\n", text);
+  fmt::print(stderr, "lambake: {}\n", on_one_line(text));
 }
 
 void Console::tell(const Findings& findings) {

@@ -14,6 +14,9 @@
 
 namespace lambake::tool {
 
+/// Text on one line, whatever names of files and materials hold: control characters as \xNN.
+std::string on_one_line(const std::string& text);
+
 /// What the tool says to people, all of it on standard error; standard output is for results.
 class Console {
  public:

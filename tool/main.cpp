@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -11,8 +12,10 @@
 #include <new>
 #include <string>
 #include <system_error>
+#include <vector>
 
 #include "commands.h"
+#include "console.h"
 #include "lambake/core/error.h"
 #include "lambake/core/version.h"
 
@@ -60,12 +63,25 @@ int main(int argc, char** argv) {
   lambake::tool::add_chart_command(app, run);
   lambake::tool::add_info_command(app, run);
 
+  const auto fail = [](const std::string& message, int exit_code) {
+    fmt::print(stderr, "lambake: {}\n", lambake::tool::on_one_line(message));
+    return exit_code;
+  };
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);
-    fmt::print(stderr, "lambake: {} (see lambake --help)\n", error.what());
-    return usage_error;
+    std::vector<std::string> commands;
+    for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
+      commands.push_back(command->get_name());
+    const bool is_unknown = argc > 1 && argv[1][0] != '-' &&
+                            std::find(commands.begin(), commands.end(), argv[1]) == commands.end();
+    if (argc < 2 || is_unknown)
+      return fail(
+          fmt::format("expected a command ({}), found {} (see lambake --help)", fmt::join(commands, ", "),
+                      is_unknown ? fmt::format("\"{}\"", argv[1]) : "none"),
+          usage_error);
+    return fail(fmt::format("{} (see lambake --help)", error.what()), usage_error);
   }
   try {
     const int exit_code = run(quoted_command_line(argc, argv));
@@ -73,19 +89,14 @@ int main(int argc, char** argv) {
       throw lambake::IoError("standard output", std::string("cannot be written: ") + std::strerror(errno));
     return exit_code;
   } catch (const lambake::Error& error) {
-    fmt::print(stderr, "lambake: {}\n", error.what());
-    return error.exit_code();
+    return fail(error.what(), error.exit_code());
   } catch (const std::filesystem::filesystem_error& error) {
-    fmt::print(stderr, "lambake: {}\n", error.what());
-    return 3;
+    return fail(error.what(), 3);
   } catch (const std::system_error& error) {  // fmt's, of a standard stream
-    fmt::print(stderr, "lambake: standard output: cannot be written: {}\n", error.what());
-    return 3;
+    return fail(fmt::format("standard output: cannot be written: {}", error.what()), 3);
   } catch (const std::bad_alloc&) {
-    fmt::print(stderr, "lambake: not enough memory for this scene\n");
-    return 4;
+    return fail("not enough memory for this scene", 4);
   } catch (const std::exception& error) {
-    fmt::print(stderr, "lambake: internal error: {}\n", error.what());
-    return our_fault;
+    return fail(fmt::format("internal error: {}", error.what()), our_fault);
   }
 }

@@ -47,6 +47,21 @@ TEST(CommandLine, EveryCommand_Json_IsJsonAndNothingElse) {
   }
 }
 
+TEST(CommandLine, NoCommandOrAnUnknownOne_IsNamedBesideThoseThatThereAre) {
+  const ScratchFolder folder("unknown");
+  const std::string expected = "lambake: expected a command (bake, render, compare, chart, info), found ";
+  EXPECT_EQ(run_tool(folder, "").err, expected + "none (see lambake --help)\n");
+  EXPECT_EQ(run_tool(folder, "bakee in.off").err, expected + "\"bakee\" (see lambake --help)\n");
+  EXPECT_EQ(run_tool(folder, "bakee in.off").exit_code, 2);
+}
+
+TEST(CommandLine, NamesWithLineEndsAndEscapes_AreToldOnOneLine) {
+  const ScratchFolder folder("names");
+  const ToolResult result = run_tool(folder, "info \"$(printf 'a\\nb\\033[1m.off')\"");
+  EXPECT_EQ(result.exit_code, 3);
+  EXPECT_EQ(result.err, "lambake: a\\x0Ab\\x1B[1m.off: expected a file, found none\n");
+}
+
 TEST(CommandLine, Help_EveryCommand_HasAnExampleThatRuns) {
   const ScratchFolder folder("help");
   write_octahedron(folder / "bunny.ply.off");
