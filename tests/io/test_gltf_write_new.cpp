@@ -8,6 +8,7 @@
 #include "lambake/core/error.h"
 #include "lambake/io/gltf.h"
 #include "lambake/io/gltf_document.h"
+#include "lambake/io/image_file.h"
 
 namespace lambake {
 namespace {
@@ -138,6 +139,27 @@ TEST(NewGltf, NothingFinite_ThrowsAndWritesNothing) {
   const std::string path = temporary_file("none.glb");
   EXPECT_THROW(write_gltf_file(path, square.file, square.baked, {}), InvalidScene);
   EXPECT_FALSE(std::filesystem::exists(path));
+}
+
+/// The bytes of the one image of a square with this texture, and its type.
+std::pair<std::string, std::string> image_written(const Image& image) {
+  Square square;
+  square.file.scene.mesh.texcoords[0] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+  square.file.scene.images.push_back(image);
+  square.file.scene.textures.emplace_back();
+  square.file.scene.materials[0].base_color_texture = 0;
+  const Glb glb = square.write();
+  const auto& written = glb.json["images"][0];
+  const auto& view = glb.json["bufferViews"][written["bufferView"].get<std::size_t>()];
+  return {glb.bin.substr(view["byteOffset"], view["byteLength"]), written["mimeType"]};
+}
+
+TEST(NewGltf, TextureOfAFile_KeepsItsBytes_AnotherBecomesPng) {
+  const std::string path = LAMBAKE_SOURCE_DIR "/tests/io/grey188.jpg";
+  EXPECT_EQ(image_written(read_image(path)), std::make_pair(read_bytes(path), std::string("image/jpeg")));
+  const auto [bytes, type] = image_written({1, 1, {glm::vec4(1)}});
+  EXPECT_EQ(bytes.substr(0, 4), "\x89PNG");
+  EXPECT_EQ(type, "image/png");
 }
 
 TEST(NewGltf, ManyVertices_TakeIndicesOf32Bit) {

@@ -3,6 +3,7 @@
 #include <string_view>
 
 #include "lambake/io/gltf_source.h"
+#include "lambake/io/image_file.h"
 
 namespace lambake {
 namespace {
@@ -28,13 +29,6 @@ void move(GltfJson& holder, const std::vector<Moved>& moved) {
   holder["byteOffset"] = to.offset + (offset.is_null() ? 0 : offset.get<std::size_t>());
 }
 
-std::string mime_type_of(const std::vector<unsigned char>& bytes) {
-  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  if (text.starts_with("\x89PNG")) return "image/png";
-  if (text.starts_with("\xFF\xD8")) return "image/jpeg";
-  return "";
-}
-
 void embed_images(const GltfAsset& asset, GltfDocument& document, Findings& findings) {
   std::size_t n_missing = 0;
   for (std::size_t i = 0; i < asset.model.images.size(); ++i) {
@@ -42,7 +36,7 @@ void embed_images(const GltfAsset& asset, GltfDocument& document, Findings& find
     const GltfJson& uri = member(image, "uri");
     if (!uri.is_string()) continue;
     const std::vector<unsigned char>& bytes = asset.model.images[i].image;
-    const std::string mime_type = mime_type_of(bytes);
+    const std::string mime_type = mime_type_of({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
     if (mime_type.empty()) {
       ++n_missing;
       continue;

@@ -238,11 +238,12 @@ class NewAsset {
     if (texture_of_[index]) return *texture_of_[index];
     const Texture& texture = scene_.textures[index];
     if (!image_of_[texture.image]) {
-      const std::string& png = kept_.keep(encode_png(picture_of(scene_.images[texture.image])));
-      const std::size_t view =
-          append_view(document, {reinterpret_cast<const unsigned char*>(png.data()), png.size()}, 0, 0, true);
+      const Image& image = scene_.images[texture.image];
+      const std::string& bytes = image.file.empty() ? kept_.keep(encode_png(picture_of(image))) : image.file;
+      const std::size_t view = append_view(
+          document, {reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size()}, 0, 0, true);
       image_of_[texture.image] =
-          append_to(document.json, "images", {{"bufferView", view}, {"mimeType", "image/png"}});
+          append_to(document.json, "images", {{"bufferView", view}, {"mimeType", mime_type_of(bytes)}});
     }
     const int filter = texture.filter == TextureFilter::nearest ? 9728 : 9729;
     const std::size_t sampler = append_to(document.json, "samplers",

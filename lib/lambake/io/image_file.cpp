@@ -87,9 +87,17 @@ Image decode_image(std::span<const std::byte> bytes, const std::string& name) {
   return codec().decode(std::as_bytes(std::span(png.data(), png.size())), name);
 }
 
+std::string mime_type_of(std::string_view bytes) {
+  if (bytes.starts_with("\x89PNG")) return "image/png";
+  if (bytes.starts_with("\xFF\xD8")) return "image/jpeg";
+  return "";
+}
+
 Image read_image(const std::string& path) {
-  const std::string bytes = read_named_bytes(path);
-  return decode_image(std::as_bytes(std::span(bytes.data(), bytes.size())), path);
+  std::string bytes = read_named_bytes(path);
+  Image image = decode_image(std::as_bytes(std::span(bytes.data(), bytes.size())), path);
+  if (!mime_type_of(bytes).empty()) image.file = std::move(bytes);
+  return image;
 }
 
 }  // namespace lambake

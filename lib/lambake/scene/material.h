@@ -14,6 +14,8 @@ namespace lambake {
 struct Image {
   std::uint32_t width = 0, height = 0;
   std::vector<glm::vec4> pixels;  ///< W·H; rgb linear, a in [0,1].
+  /// The bytes of the PNG or JPEG that the pixels are from, to be written again; or none.
+  std::string file{};
 };
 
 enum class TextureWrap { repeat, clamp_to_edge, mirrored_repeat };
