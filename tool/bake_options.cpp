@@ -26,6 +26,16 @@ ColorStorage storage_from(const std::string& name, ColorStorage fallback) {
   return name == "u8" ? ColorStorage::u8 : name == "u16" ? ColorStorage::u16 : ColorStorage::f32;
 }
 
+PlyWriteOptions ply_options(const OutputOptions& options) {
+  return {.color = storage_from(options.color, ColorStorage::u8)};
+}
+
+GltfWriteOptions gltf_options(const OutputOptions& options) {
+  return {.color = storage_from(options.color, ColorStorage::u16),
+          .mark_unlit = options.mark_unlit,
+          .attribute = options.attribute};
+}
+
 BakeMethod method_named(const std::string& name) {
   for (const BakeMethod method : {BakeMethod::face, BakeMethod::average, BakeMethod::least_squares,
                                   BakeMethod::uniform, BakeMethod::adaptive})
@@ -103,9 +113,9 @@ BakeOptions bake_options(const BakeMethodOptions& options, Console& console) {
 }
 
 BakedScene bake_scene(const Scene& scene, const BakeMethodOptions& options, Console& console,
-                      std::function<LinearRgb(const LinearRgb&)> as_stored) {
+                      const ColorOutput& output) {
   BakeOptions how = bake_options(options, console);
-  how.as_stored = std::move(as_stored);
+  how.output = output;
   BakedScene result;
   result.tolerance = how.tolerance;
   if (options.method == "auto") {
@@ -149,22 +159,6 @@ void add_method_json(nlohmann::ordered_json& json, const BakedScene& result) {
                   {"trials", trials}};
 }
 
-std::function<LinearRgb(const LinearRgb&)> stored_by(const std::string& path, const OutputOptions& options) {
-  const bool is_ply = lower_extension(path) == ".ply";
-  const ColorStorage storage = storage_from(options.color, is_ply ? ColorStorage::u8 : ColorStorage::u16);
-  if (storage == ColorStorage::f32 && (is_ply || options.attribute.front() == '_')) return {};
-  if (storage == ColorStorage::f32)  // COLOR_0 holds nothing above 1, whatever its type.
-    return [](const LinearRgb& c) {
-      return LinearRgb{std::clamp(c.r, 0.0f, 1.0f), std::clamp(c.g, 0.0f, 1.0f), std::clamp(c.b, 0.0f, 1.0f)};
-    };
-  if (is_ply) return [](const LinearRgb& c) { return to_linear(to_srgb8(c)); };
-  const float steps = storage == ColorStorage::u8 ? 255.0f : 65535.0f;
-  return [steps](const LinearRgb& c) {
-    const auto stored = [steps](float x) { return std::round(std::clamp(x, 0.0f, 1.0f) * steps) / steps; };
-    return LinearRgb{stored(c.r), stored(c.g), stored(c.b)};
-  };
-}
-
 void add_output_options(CLI::App& command, OutputOptions& options) {
   command
       .add_option(
@@ -187,14 +181,15 @@ void check_baked_path(const std::string& path, const OutputOptions& options) {
     throw InvalidOption(fmt::format("-o {}: expected .glb, .gltf or .ply", path));
 }
 
+ColorOutput output_of(const std::string& path, const SceneFile& file, const OutputOptions& options) {
+  return lower_extension(path) == ".ply" ? ply_output(file.scene, ply_options(options))
+                                         : gltf_output(file, gltf_options(options));
+}
+
 WrittenColors write_baked(const std::string& path, const SceneFile& file, const BakedColors& baked,
                           const OutputOptions& options) {
-  if (lower_extension(path) == ".ply")
-    return write_ply_file(path, file.scene, baked, {.color = storage_from(options.color, ColorStorage::u8)});
-  return write_gltf_file(path, file, baked,
-                         {.color = storage_from(options.color, ColorStorage::u16),
-                          .mark_unlit = options.mark_unlit,
-                          .attribute = options.attribute});
+  return lower_extension(path) == ".ply" ? write_ply_file(path, file.scene, baked, ply_options(options))
+                                         : write_gltf_file(path, file, baked, gltf_options(options));
 }
 
 }  // namespace lambake::tool

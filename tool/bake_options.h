@@ -3,7 +3,6 @@
 #include <CLI/CLI.hpp>
 #include <string>
 
-#include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <vector>
@@ -46,20 +45,20 @@ struct BakedScene {
   double tolerance = 0;
 };
 
-/// @param as_stored  what becomes of a colour in the output; what is certified is that.
+/// @param output  what becomes of the colours; what is certified is that.
 BakedScene bake_scene(const Scene& scene, const BakeMethodOptions& options, Console& console,
-                      std::function<LinearRgb(const LinearRgb&)> as_stored);
+                      const ColorOutput& output);
 
 /// The certificate, and for auto the trials, where there are any.
 void add_method_json(nlohmann::ordered_json& json, const BakedScene& result);
-
-/// What a file at `path` keeps of a colour of base colour 1.
-std::function<LinearRgb(const LinearRgb&)> stored_by(const std::string& path, const OutputOptions& options);
 
 void add_output_options(CLI::App& command, OutputOptions& options);
 
 /// Throws InvalidOption unless `path` ends in .glb, .gltf or .ply and the options fit it.
 void check_baked_path(const std::string& path, const OutputOptions& options);
+
+/// What write_baked() makes of colours.
+ColorOutput output_of(const std::string& path, const SceneFile& file, const OutputOptions& options);
 
 /// Writes a lit mesh by extension.
 WrittenColors write_baked(const std::string& path, const SceneFile& file, const BakedColors& baked,

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -29,7 +30,7 @@ int bake_and_write(const BakeCommand& command) {
   LoadedScene loaded = load_scene(command.scene, console, stopwatch);
   console.stage("baking");
   const BakedScene result = bake_scene(loaded.file.scene, command.method, console,
-                                       stored_by(command.outputs.front(), command.output));
+                                       output_of(command.outputs.front(), loaded.file, command.output));
   const BakedColors& baked = result.baked;
   console.tell(baked.findings);
   stopwatch.lap("bake");
@@ -69,9 +70,11 @@ int bake_and_write(const BakeCommand& command) {
   if (!command.scene.json && !command.scene.quiet) {
     if (result.selection) fmt::print("{}\n", result.selection->sentence);
     if (const std::optional<Certificate>& c = baked.certificate; c && !result.selection)
-      fmt::print("{}{}: at most {:.3g}/255 from per-pixel lighting anywhere\n",
+      fmt::print("{}{}: {} from per-pixel lighting anywhere\n",
                  command.outputs.size() > 1 ? command.outputs.front() + ", " : "",
-                 c->is_certified ? "certified" : "not certified", c->max_bound * 255);
+                 c->is_certified ? "certified" : "not certified",
+                 std::isfinite(c->max_bound) ? fmt::format("at most {:.3g}/255", c->max_bound * 255)
+                                             : "no bound to how far it is");
   }
   json["findings"] = findings_json(findings);
   json["seconds"] = seconds_json(stopwatch);

@@ -166,9 +166,11 @@ int compare_and_write(const CompareCommand& command, const std::string& command_
   LoadedScene loaded = load_scene(command.scene, console, stopwatch);
   const Scene& scene = loaded.file.scene;
   console.stage("baking");
-  const auto as_stored = stored_by("lit.glb", command.output);
-  BakedScene result = bake_scene(scene, command.method, console, as_stored);
+  const ColorOutput output = output_of("lit.glb", loaded.file, command.output);
+  BakedScene result = bake_scene(scene, command.method, console, output);
   BakedColors& baked = result.baked;
+  const bool tells_gaps = baked.certificate || result.selection;
+  if (!tells_gaps) baked.findings.insert(baked.findings.end(), output.gaps.begin(), output.gaps.end());
   console.tell(baked.findings);
   stopwatch.lap("bake");
 
@@ -187,11 +189,10 @@ int compare_and_write(const CompareCommand& command, const std::string& command_
   comparison.light_shares = light_shares(scene);
   comparison.findings = loaded.file.findings;
   comparison.findings.insert(comparison.findings.end(), baked.findings.begin(), baked.findings.end());
-  comparison.shares = error_shares(scene, baked, as_stored);
+  comparison.shares = error_shares(scene, baked, output);
   // What is compared is what the GLB holds.
   const std::vector<LinearRgb> computed = baked.colors;
-  if (as_stored)
-    for (LinearRgb& c : baked.colors) c = as_stored(c);
+  take_stored_colors(scene, output, baked);
   compare_views(command, scene, baked, console, comparison);
   stopwatch.lap("pictures");
   console.stage("surface error");
@@ -201,7 +202,7 @@ int compare_and_write(const CompareCommand& command, const std::string& command_
   console.stage("certified bound");
   // Triangles that cannot be worse than the worst place found need no closer look.
   const auto bound_in = [&](ErrorSpace space, const SurfaceError& error) {
-    return certified_maximum(scene, baked, space, error.max_sampled);
+    return bound_in_output(scene, output, space, certified_maximum(scene, baked, space, error.max_sampled));
   };
   comparison.max_bound_linear = bound_in(ErrorSpace::linear, comparison.surface_linear);
   comparison.max_bound_display = bound_in(ErrorSpace::display, comparison.surface_display);
@@ -248,8 +249,10 @@ int compare_and_write(const CompareCommand& command, const std::string& command_
     fmt::print("  picture   rmse {:.3f}  max {:.1f}  {} of {} pixels off by more than one step\n",
                image.rmse * 255, image.max * 255, group_digits(image.pixels_over_1_255),
                group_digits(image.pixels));
-    fmt::print("  surface   rmse {:.3f}  max {:.1f} found, {:.1f} certified\n", surface.rmse * 255,
-               surface.max_sampled * 255, *comparison.max_bound_display * 255);
+    const double bound = *comparison.max_bound_display;
+    fmt::print("  surface   rmse {:.3f}  max {:.1f} found, {}\n", surface.rmse * 255,
+               surface.max_sampled * 255,
+               std::isfinite(bound) ? fmt::format("{:.1f} certified", bound * 255) : "none certified");
     fmt::print("{}\n", (std::filesystem::path(command.folder) / "index.html").string());
   }
   return check_thresholds(thresholds, nlohmann::ordered_json::parse(report));

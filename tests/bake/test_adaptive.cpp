@@ -266,10 +266,11 @@ TEST(Adaptive, NoTimeAtAll_LeavesTheMeshUncutAndWithoutABound) {
 TEST(Adaptive, StoredColours_AreWhatIsCertified) {
   const Scene scene = scene_of(icosphere(2), {sun({0.4f, 1, 0.3f})});
   const auto to_u8 = [](float x) { return std::round(std::clamp(x, 0.0f, 1.0f) * 255) / 255; };
-  const BakedColors baked = bake(
-      scene, {.method = BakeMethod::adaptive, .tolerance = 8.0 / 255, .as_stored = [&](const LinearRgb& c) {
-                return LinearRgb{to_u8(c.r), to_u8(c.g), to_u8(c.b)};
-              }});
+  const BakedColors baked = bake(scene, {.method = BakeMethod::adaptive,
+                                         .tolerance = 8.0 / 255,
+                                         .output = storing([&](const LinearRgb& c) {
+                                           return LinearRgb{to_u8(c.r), to_u8(c.g), to_u8(c.b)};
+                                         })});
   for (const LinearRgb& c : baked.colors) EXPECT_EQ(c.r, to_u8(c.r));
   EXPECT_TRUE(baked.certificate->is_certified);
   EXPECT_LE(surface_error(scene, baked, ErrorSpace::display).max_sampled, 8.0 / 255);
@@ -280,7 +281,7 @@ TEST(Adaptive, BytesOfPly_AreCertifiedWithLittleMore) {
   const Scene scene = scene_of(torus_knot(240, 24, 0.2f), {sun({0.4f, 1, 0.3f})});
   BakeOptions options{.method = BakeMethod::adaptive};
   const std::size_t n_exact = bake(scene, options).mesh->n_triangles();
-  options.as_stored = [](const LinearRgb& c) { return to_linear(to_srgb8(c)); };
+  options.output = storing([](const LinearRgb& c) { return to_linear(to_srgb8(c)); });
   const BakedColors baked = bake(scene, options);
   EXPECT_TRUE(baked.certificate->is_certified);
   EXPECT_LE(surface_error(scene, baked, ErrorSpace::display).max_sampled, 1.0 / 255);
@@ -293,9 +294,9 @@ TEST(Adaptive, ColoursThatTheOutputClips_AreToldAndNotCutFor) {
   scene.materials[0].base_color = {0.5f, 0.5f, 0.5f};
   const BakeOptions plain{.method = BakeMethod::adaptive};
   BakeOptions clipping = plain;
-  clipping.as_stored = [](const LinearRgb& c) {
+  clipping.output = storing([](const LinearRgb& c) {
     return LinearRgb{std::min(c.r, 1.0f), std::min(c.g, 1.0f), std::min(c.b, 1.0f)};
-  };
+  });
   const BakedColors exact = bake(scene, plain), clipped = bake(scene, clipping);
   EXPECT_TRUE(exact.certificate->is_certified);
   EXPECT_FALSE(clipped.certificate->is_certified);
@@ -315,9 +316,10 @@ TEST(Adaptive, ColoursThatTheOutputClips_AreToldAndNotCutFor) {
 TEST(Adaptive, ColoursThatScreenAndOutputClip_AreCertified) {
   const Scene scene = scene_of(icosphere(3), {sun({0.4f, 1, 0.3f}, {1.5f, 1.2f, 0.9f})});
   const BakedColors baked =
-      bake(scene, {.method = BakeMethod::adaptive, .as_stored = [](const LinearRgb& c) {
+      bake(scene, {.method = BakeMethod::adaptive,
+                   .output = storing([](const LinearRgb& c) {
                      return LinearRgb{std::min(c.r, 1.0f), std::min(c.g, 1.0f), std::min(c.b, 1.0f)};
-                   }});
+                   })});
   EXPECT_TRUE(baked.certificate->is_certified);
   EXPECT_LT(baked.mesh->n_triangles(), 2500U);
   for (const LinearRgb& c : baked.colors) EXPECT_LE(c.r, 1.0f);

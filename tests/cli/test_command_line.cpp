@@ -160,6 +160,44 @@ TEST(CommandLine, Compare_Thresholds_DecideTheExitCode) {
   EXPECT_EQ(run_tool(folder, compare + "--fail-above nonsense=1").exit_code, 2);
 }
 
+TEST(CommandLine, FileThatCannotHoldWhatIsCertified_IsNotCertifiedByAnyCommand) {
+  const ScratchFolder folder("gaps");
+  std::filesystem::copy(LAMBAKE_SOURCE_DIR "/tests/io/grey188.jpg", folder / "grey.jpg");
+  std::ofstream(folder / "in.mtl") << "newmtl grey\nmap_Kd grey.jpg\n";
+  std::ofstream(folder / "in.obj") << "mtllib in.mtl\nusemtl grey\nv 0 0 1\nv 1 0 0\nv 0 1 0\nv -1 -1 0\n"
+                                      "vt 0 0\nvt 1 0\nvt 0 1\nvt 1 1\n"
+                                      "f 1/1 2/2 3/3\nf 1/1 3/3 4/4\nf 1/1 4/4 2/2\n";
+  const ToolResult plain = run_tool(folder, "bake in.obj --method adaptive -o a.ply");
+  EXPECT_EQ(plain.exit_code, 0);
+  EXPECT_NE(plain.out.find("not certified: no bound"), std::string::npos) << plain.out;
+  EXPECT_NE(plain.err.find("1 material has a texture"), std::string::npos) << plain.err;
+  const auto of = [&](const std::string& arguments) {
+    return nlohmann::json::parse(run_tool(folder, "bake in.obj --json --method " + arguments).out);
+  };
+  const auto adaptive = of("adaptive -o a.ply");
+  EXPECT_EQ(adaptive["certificate"]["certified"], false);
+  EXPECT_TRUE(adaptive["certificate"]["max_bound"].is_null());
+  EXPECT_EQ(adaptive["findings"].back()["code"], "certificate_not_of_file");
+  const auto chosen = of("auto -o a.ply");
+  EXPECT_EQ(chosen["auto"]["certified"], false);
+  EXPECT_EQ(chosen["auto"]["trials"].size(), 3U);
+  // The same light in a GLB is certified.
+  EXPECT_EQ(of("adaptive -o a.glb")["certificate"]["certified"], true);
+  EXPECT_EQ(of("auto -o a.glb")["auto"]["certified"], true);
+
+  // A bound that is not there is above any threshold. What lit.glb cannot hold here is emission.
+  const std::string palm = LAMBAKE_SOURCE_DIR "/../shared/meshes/gltf/PalmTree/PalmTree.gltf";
+  const std::string compare = "compare " + palm + " -o c --size 16x16 --fail-above surface.display.";
+  const ToolResult bounded = run_tool(folder, compare + "max_bound=1");
+  EXPECT_EQ(bounded.exit_code, 1) << bounded.err;
+  EXPECT_NE(bounded.out.find("none certified"), std::string::npos) << bounded.out;
+  EXPECT_EQ(run_tool(folder, compare + "max_sampled=1").exit_code, 0);
+  const auto report = nlohmann::json::parse(read_bytes(folder / "c/report.json"));
+  std::size_t n_told = 0;
+  for (const auto& finding : report["findings"]) n_told += finding["code"] == "certificate_not_of_file";
+  EXPECT_EQ(n_told, 1U);
+}
+
 TEST(CommandLine, ClosedAndFullStreams_AreNoFaultOfOurs) {
   const ScratchFolder folder("streams");
   write_octahedron(folder / "in.off");

@@ -95,6 +95,21 @@ TEST(NewGltf, BaseColourAndEmission_NoTexture_AreInTheVertexColour) {
   EXPECT_FALSE(glb.json["materials"][0]["pbrMetallicRoughness"].contains("baseColorFactor"));
 }
 
+TEST(NewGltf, EmissionBehindNoBaseColour_IsInTheVertexColour_AndNoneOfUnlitMaterials) {
+  Square square;
+  Material& material = square.file.scene.materials[0];
+  material.base_color = {0, 0.5f, 1};
+  material.emission = {0.75f, 0, 0.125f};
+  const Glb glb = square.write({.color = ColorStorage::f32});
+  EXPECT_EQ(glb.value<float>(glb.attribute(0, 0, "COLOR_0"), 3, 0), 0.75f);
+  EXPECT_EQ(glb.value<float>(glb.attribute(0, 0, "COLOR_0"), 3, 1), 0.25f);
+  EXPECT_EQ(count_of(square.written.findings, "emission_not_written"), 0U);
+  material.is_unlit = true;
+  const Glb unlit = square.write({.color = ColorStorage::f32});
+  EXPECT_EQ(unlit.value<float>(unlit.attribute(0, 0, "COLOR_0"), 3, 0), 0);
+  EXPECT_EQ(unlit.value<float>(unlit.attribute(0, 0, "COLOR_0"), 3, 2), 0.25f);
+}
+
 TEST(NewGltf, ColoursAboveOne_AreCountedAndClippedInCOLOR_0Alone) {
   Square square;
   for (LinearRgb& color : square.baked.colors) color = color * 2.0f;

@@ -72,6 +72,12 @@ TEST_F(PlyWrite, MaterialAndEmission_AreInTheColor) {
   EXPECT_EQ(mesh.colors[0], (LinearRgb{0, 0.125f, 1.125f}));
 }
 
+TEST_F(PlyWrite, UnlitMaterial_ShowsNoEmission) {
+  scene.materials[0].emission = {0, 0, 0.125f};
+  scene.materials[0].is_unlit = true;
+  EXPECT_EQ(write_and_read({.color = ColorStorage::f32}).colors, baked.colors);
+}
+
 TEST_F(PlyWrite, Texture_IsSampledAtTheVertex) {
   Image image;
   image.width = image.height = 1;

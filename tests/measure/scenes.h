@@ -6,6 +6,7 @@
 
 #include "lambake/geometry/normals.h"
 #include "lambake/scene/scene.h"
+#include "measure/storing.h"
 #include "shapes.h"
 
 /// Scenes that the tests of measuring and baking share.

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "lambake/measure/surface_error.h"
@@ -12,7 +13,9 @@ namespace {
 
 TEST(ErrorShares, FlatGridThatClips_ErrsByTheClippingAlone) {
   const Scene scene = scene_of(grid(2, 1), {sun({0, 1, 0}, {1.5f, 1, 0.25f})});
-  const ErrorShares shares = error_shares(scene, bake(scene, {}), [](const LinearRgb& c) { return c; });
+  const ErrorShares shares = error_shares(scene, bake(scene, {}), storing([](const LinearRgb& c) {
+                                            return LinearRgb{std::min(c.r, 1.0f), c.g, c.b};
+                                          }));
   EXPECT_LT(shares.interpolation, 1e-15);  // rounding of the interpolation
   EXPECT_NEAR(shares.clipping, 0.5 / std::sqrt(3.0), 1e-12);
   EXPECT_EQ(shares.quantisation, 0);
@@ -25,7 +28,7 @@ TEST(ErrorShares, CoarseSteps_AreTheQuantisation) {
     const auto step = [](float x) { return std::round(x * 8) / 8; };
     return LinearRgb{step(c.r), step(c.g), step(c.b)};
   };
-  const ErrorShares shares = error_shares(scene, baked, in_eighths);
+  const ErrorShares shares = error_shares(scene, baked, storing(in_eighths));
   EXPECT_EQ(shares.clipping, 0);
   // A value is off by 1/8/√12 in the mean square where it is spread evenly; half of the sphere is black.
   EXPECT_GT(shares.quantisation, 0.3 * 0.125 / std::sqrt(12.0));

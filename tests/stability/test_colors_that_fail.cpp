@@ -10,6 +10,7 @@
 #include "lambake/io/ply_write.h"
 #include "lambake/io/scene_file.h"
 #include "lambake/measure/error_shares.h"
+#include "measure/storing.h"
 
 namespace lambake {
 namespace {
@@ -117,7 +118,7 @@ TEST(Clipping, BrighterAndBrighter_EachMethodsColoursAreClippedAndCounted_AndThe
         EXPECT_NEAR(c.r, i, 1e-6 * i);
         EXPECT_NEAR(clip(c).b, kept.b, 1e-6);
       }
-      const ErrorShares shares = error_shares(scene, baked, clip);
+      const ErrorShares shares = error_shares(scene, baked, storing(clip));
       EXPECT_NEAR(shares.clipping, glm::length(lost) / std::sqrt(3.0), 1e-6 * i) << i;
       EXPECT_LT(shares.interpolation, 1e-6 * i);
     }
@@ -134,8 +135,8 @@ TEST(Storage, InTheDark_EachMethodsColoursLoseHalfAStepAtMost_AndCuttingForItIsN
   for (const float dark : {1.0f, 0.1f, 0.01f, 0.003f, 0.0019f}) {
     const Scene scene = scene_of(icosphere(2), {sun({0.4f, 1, 0.3f}, dark)});
     for (const BakeMethod method : every_method) {
-      const BakedColors baked = bake(scene, {.method = method, .as_stored = as_u8});
-      EXPECT_LE(error_shares(scene, baked, as_u8).quantisation, 0.5 / 255 + 1e-9);
+      const BakedColors baked = bake(scene, {.method = method, .output = storing(as_u8)});
+      EXPECT_LE(error_shares(scene, baked, storing(as_u8)).quantisation, 0.5 / 255 + 1e-9);
       if (method != BakeMethod::adaptive) continue;
       // On screen half a step at black is 12.92/510 = 6.5/255: no mesh brings that below 1/255.
       EXPECT_FALSE(baked.certificate->is_certified) << dark;

@@ -114,7 +114,9 @@ class AdaptiveBake {
       certificate.open_triangles += b > options_.tolerance;
       unbounded += !std::isfinite(b);
     }
-    certificate.is_certified = certificate.open_triangles == 0;
+    certificate.max_bound =
+        bound_in_output(scene_, options_.output, options_.tolerance_space, certificate.max_bound);
+    certificate.is_certified = certificate.open_triangles == 0 && certificate.max_bound <= options_.tolerance;
     if (is_late())
       add_finding(baked.findings, "triangles_not_bounded", unbounded,
                   "triangle[ has|s have] no bound: the time was up, or a light touches [it|them]");
@@ -135,6 +137,14 @@ class AdaptiveBake {
         baked.findings, "triangles_open_by_storage", n_spoilt,
         "of them would be, but for what the output clips or rounds: a lower exposure or finer colours "
         "help there, cutting does not");
+    const std::vector<double> emitted =
+        errors_without_light(scene_, options_.output, options_.tolerance_space);
+    add_finding(baked.findings, "emission_open_by_storage",
+                static_cast<std::size_t>(std::count_if(emitted.begin(), emitted.end(),
+                                                       [&](double e) { return e > options_.tolerance; })),
+                "material[ of base colour 0 emits|s of base colour 0 emit] what the output clips or rounds "
+                "by more than the tolerance");
+    baked.findings.insert(baked.findings.end(), options_.output.gaps.begin(), options_.output.gaps.end());
     baked.colors = colors_.take_colors();
     baked.cuts = cut_.cuts();
     baked.parent_triangles = cut_.parent_triangles();

@@ -2,10 +2,10 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <vector>
 
+#include "lambake/bake/color_output.h"
 #include "lambake/core/color.h"
 #include "lambake/core/finding.h"
 #include "lambake/core/progress.h"
@@ -62,9 +62,8 @@ struct BakeOptions {
   /// needs more needs light per pixel.
   std::size_t max_vertices = 0;
   double max_seconds = 0;  ///< adaptive: stops cutting after this; 0 is no limit.
-  /// adaptive: what becomes of a colour in the output, so that what is certified is what is written; empty:
-  /// nothing.
-  std::function<LinearRgb(const LinearRgb&)> as_stored{};
+  /// adaptive: what becomes of the colours in the output, so that what is certified is what is written.
+  ColorOutput output{};
   /// How much of an encoded colour in [0,1] merging many lights may cost, certified (shading/light_tree.h);
   /// 0 sums them all.
   double light_tolerance = 0.25 / 255;

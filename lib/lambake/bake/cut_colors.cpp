@@ -15,21 +15,34 @@ constexpr std::size_t block_size = 64;
 }  // namespace
 
 CutColors::CutColors(const Scene& scene, const BakeOptions& options, const CutMesh& cut)
-    : scene_(scene), options_(options), cut_(cut), all_lights_(scene.lights.size()) {
+    : scene_(scene),
+      options_(options),
+      cut_(cut),
+      all_lights_(scene.lights.size()),
+      materials_(vertex_materials(scene.mesh)) {
   std::iota(all_lights_.begin(), all_lights_.end(), 0U);
-  materials_.resize(scene.mesh.n_vertices(), 0);
-  for (std::size_t f = 0; f < scene.mesh.n_triangles(); ++f)
-    for (int c = 0; c < 3; ++c) materials_[scene.mesh.triangles[f][c]] = scene.mesh.material_of(f);
-  if (options.as_stored) {
-    constexpr int n_greys = 1000;  // Clipped is none of them.
-    for (int i = 1; i < n_greys; ++i) {
-      const float grey = static_cast<float>(i) / n_greys;
-      const LinearRgb color{grey, grey, grey};
-      rounding_ = std::max(rounding_, loss(Material(), color, options.as_stored(color)));
-    }
+  if (options.output.shown) {
+    const std::vector<bool> is_used = used_materials(scene.mesh, scene.materials.size());
+    for (std::size_t m = 0; m < is_used.size(); ++m)
+      if (is_used[m]) rounding_ = std::max(rounding_, largest_rounding(scene.materials[m]));
     if (rounding_ > 0.51 * options.tolerance) rounding_ = 0;
   }
   add_new_vertices();
+}
+
+double CutColors::largest_rounding(const Material& material) const {
+  constexpr int n_greys = 1000;
+  const LinearRgb brightest = stored_range(options_.output, material).high;
+  double largest = 0;
+  for (int i = 1; i < n_greys; ++i) {
+    // None is clipped.
+    const auto grey = [share = static_cast<float>(i) / n_greys](float most) {
+      return most > 0 ? share * std::min(most, 1.0f) : most;
+    };
+    const LinearRgb color{grey(brightest.r), grey(brightest.g), grey(brightest.b)};
+    largest = std::max(largest, loss(material, color, as_stored(options_.output, color, material)));
+  }
+  return largest;
 }
 
 void CutColors::add_new_vertices() {
@@ -37,7 +50,7 @@ void CutColors::add_new_vertices() {
   for (std::size_t i = materials_.size(); i < n; ++i)
     materials_.push_back(materials_[cut_.cuts()[i - cut_.n_uncut_vertices()].a]);
   colors_.resize(n), exact_.resize(n), rises_.resize(n, glm::vec3(0)), falls_.resize(n, glm::vec3(0));
-  if (options_.as_stored) stored_.resize(n), is_spoilt_.resize(n, false);
+  if (options_.output.shown) stored_.resize(n), is_spoilt_.resize(n, false);
   parallel_blocks(n - first, block_size, [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = first + begin; v < first + end; ++v) {
       Patch point;
@@ -113,11 +126,12 @@ std::vector<char> CutColors::move_all() {
 void CutColors::move(std::size_t v) {
   const glm::vec3 shift = rises_[v] + falls_[v];
   colors_[v] = exact_[v] + LinearRgb{shift.r, shift.g, shift.b};
-  if (!options_.as_stored) return;
-  stored_[v] = options_.as_stored(colors_[v]);
+  if (!options_.output.shown) return;
+  const auto stored = [&](const LinearRgb& color) { return as_stored(options_.output, color, material(v)); };
+  stored_[v] = stored(colors_[v]);
   // A shift that the output cuts short is only a smaller one.
-  is_spoilt_[v] = spoils(material(v), colors_[v], stored_[v]) &&
-                  spoils(material(v), exact_[v], options_.as_stored(exact_[v]));
+  is_spoilt_[v] =
+      spoils(material(v), colors_[v], stored_[v]) && spoils(material(v), exact_[v], stored(exact_[v]));
   if (!is_spoilt_[v]) colors_[v] = stored_[v];
 }
 
@@ -127,11 +141,11 @@ double CutColors::loss(const Material& material, const LinearRgb& color, const L
   const auto of_channel = [&](double was, double is, double base, double emission) {
     if (options_.tolerance_space == ErrorSpace::linear) return std::abs(was - is);
     // Behind a texture what is above 1 may still be seen.
-    if (has_texture) return std::abs(srgb_encode(was) - srgb_encode(is));
+    if (has_texture) return std::abs(srgb_encode(base * was) - srgb_encode(base * is));
     return std::abs(compared(emission + base * was, ErrorSpace::display) -
                     compared(emission + base * is, ErrorSpace::display));
   };
-  const LinearRgb &base = material.base_color, &emission = material.emission;
+  const LinearRgb &base = material.base_color, emission = emission_of(material);
   return std::max({of_channel(color.r, stored.r, base.r, emission.r),
                    of_channel(color.g, stored.g, base.g, emission.g),
                    of_channel(color.b, stored.b, base.b, emission.b)});
@@ -142,7 +156,7 @@ bool CutColors::spoils(const Material& material, const LinearRgb& color, const L
 }
 
 void CutColors::take_stored() {
-  if (options_.as_stored) colors_ = stored_;
+  if (options_.output.shown) colors_ = stored_;
 }
 
 }  // namespace lambake

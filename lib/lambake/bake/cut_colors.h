@@ -54,6 +54,8 @@ class CutColors {
   std::vector<char> move_all();
   void share_among_copies();
   const Material& material(std::size_t v) const { return scene_.materials[materials_[v]]; }
+  /// What rounding in the output takes of colours of a material that it does not clip.
+  double largest_rounding(const Material& material) const;
   double loss(const Material& material, const LinearRgb& color, const LinearRgb& stored) const;
   bool spoils(const Material& material, const LinearRgb& color, const LinearRgb& stored) const;
 

@@ -22,4 +22,7 @@ struct GltfWriteOptions {
 WrittenColors write_gltf_file(const std::string& path, const SceneFile& file, const BakedColors& baked,
                               const GltfWriteOptions& options);
 
+/// What a certificate has to know of such a file.
+ColorOutput gltf_output(const SceneFile& file, const GltfWriteOptions& options);
+
 }  // namespace lambake

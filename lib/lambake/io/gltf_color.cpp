@@ -13,6 +13,19 @@ namespace {
 
 constexpr std::size_t block_size = 16384;
 
+float clamped(float channel) {
+  return channel < 0 ? 0.0f : channel > 1 ? 1.0f : channel;
+}
+
+template <typename Integer>
+constexpr float steps_of = std::numeric_limits<Integer>::max();
+
+/// @param channel  in [0,1].
+template <typename Integer>
+Integer to_integer(float channel) {
+  return static_cast<Integer>(channel * steps_of<Integer> + 0.5f);
+}
+
 /// Calls `body(i, {r, g, b, a})` for each colour, after NaN, range and clamp; fills the counts of `out`.
 template <typename Body>
 void for_each_clamped(std::span<const LinearRgb> colors, std::span<const float> opacities, float slack,
@@ -27,7 +40,7 @@ void for_each_clamped(std::span<const LinearRgb> colors, std::span<const float> 
         if (!(channel == channel)) channel = 0;
         is_above |= channel > 1 + slack;
         is_below |= channel < -slack;
-        if (is_clamped) channel = channel < 0 ? 0.0f : channel > 1 ? 1.0f : channel;
+        if (is_clamped) channel = clamped(channel);
       }
       n_clipped += is_above ? 1 : 0;
       n_negative += is_below ? 1 : 0;
@@ -44,14 +57,12 @@ void for_each_clamped(std::span<const LinearRgb> colors, std::span<const float> 
 template <typename Integer>
 void encode_normalized(std::span<const LinearRgb> colors, std::span<const float> opacities,
                        EncodedColors& out) {
-  constexpr float steps = std::numeric_limits<Integer>::max();
   out.bytes.resize(colors.size() * 4 * sizeof(Integer));
   out.is_normalized = true;
-  for_each_clamped(colors, opacities, 0.5f / steps, true, out,
+  for_each_clamped(colors, opacities, 0.5f / steps_of<Integer>, true, out,
                    [&](std::size_t i, const std::array<float, 4>& c) {
                      std::array<Integer, 4> stored;
-                     for (std::size_t k = 0; k < 4; ++k)
-                       stored[k] = static_cast<Integer>(c[k] * steps + 0.5f);
+                     for (std::size_t k = 0; k < 4; ++k) stored[k] = to_integer<Integer>(c[k]);
                      std::memcpy(out.bytes.data() + i * sizeof stored, stored.data(), sizeof stored);
                    });
 }
@@ -84,6 +95,22 @@ EncodedColors encode_colors(std::span<const LinearRgb> colors, std::span<const f
     }
   }
   return out;
+}
+
+LinearRgb encoded_color(const LinearRgb& color, const ColorEncoding& encoding) {
+  const auto channel = [&](float value) {
+    if (!(value == value)) return 0.0f;
+    switch (encoding.storage) {
+      case ColorStorage::u8:
+        return static_cast<float>(to_integer<std::uint8_t>(clamped(value))) / steps_of<std::uint8_t>;
+      case ColorStorage::u16:
+        return static_cast<float>(to_integer<std::uint16_t>(clamped(value))) / steps_of<std::uint16_t>;
+      case ColorStorage::f32:
+        break;
+    }
+    return encoding.is_clamped ? clamped(value) : value;
+  };
+  return {channel(color.r), channel(color.g), channel(color.b)};
 }
 
 }  // namespace lambake

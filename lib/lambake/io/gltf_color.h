@@ -29,6 +29,12 @@ struct EncodedColors {
   }
 };
 
+/// The colours that a writer has from baked ones.
+struct ColorFolding {
+  LinearRgb factor{1, 1, 1}, shift{0, 0, 0};
+  LinearRgb operator()(const LinearRgb& baked) const { return factor * baked + shift; }
+};
+
 struct ColorEncoding {
   ColorStorage storage = ColorStorage::u16;
   /// COLOR_0 lies in [0,1] by the specification, as floats too; another attribute of floats may hold more.
@@ -39,5 +45,8 @@ struct ColorEncoding {
 /// aligned to 4 bytes; floats have three unless there are opacities. Channels that are no number become 0.
 EncodedColors encode_colors(std::span<const LinearRgb> colors, std::span<const float> opacities,
                             const ColorEncoding& encoding);
+
+/// What encode_colors() holds of one colour.
+LinearRgb encoded_color(const LinearRgb& color, const ColorEncoding& encoding);
 
 }  // namespace lambake

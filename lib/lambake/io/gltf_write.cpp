@@ -4,14 +4,6 @@
 
 namespace lambake {
 
-bool can_fold_emission(const Material& material) {
-  const LinearRgb& base = material.base_color;
-  const LinearRgb& emission = material.emission;
-  const auto holds = [](float factor, float light) { return light == 0 || factor > 0; };
-  return material.base_color_texture == no_texture && material.emission_texture == no_texture &&
-         holds(base.r, emission.r) && holds(base.g, emission.g) && holds(base.b, emission.b);
-}
-
 void tell_storage(Findings& findings, std::size_t clipped, std::size_t negative) {
   add_finding(findings, "clipped_vertices", clipped,
               "vert[ex is|ices are] brighter than a vertex colour can hold; clipped to 1 (a lower exposure "
@@ -27,6 +19,11 @@ WrittenColors write_gltf_file(const std::string& path, const SceneFile& file, co
                         options.attribute);
   if (file.asset) return write_gltf_asset(path, *file.asset, file.scene, baked, options);
   return write_new_gltf(path, file.scene, baked, options);
+}
+
+ColorOutput gltf_output(const SceneFile& file, const GltfWriteOptions& options) {
+  return file.asset ? gltf_asset_output(*file.asset, file.scene, options)
+                    : new_gltf_output(file.scene, options);
 }
 
 }  // namespace lambake

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "lambake/io/gltf.h"
+#include "lambake/io/gltf_color.h"
 #include "lambake/scene/material.h"
 
 /// The two ways a glTF file is made, and what they share; internal to io.
@@ -16,12 +17,12 @@ WrittenColors write_new_gltf(const std::string& path, const Scene& scene, const 
 WrittenColors write_gltf_asset(const std::string& path, const GltfAsset& asset, const Scene& scene,
                                const BakedColors& baked, const GltfWriteOptions& options);
 
-/// Whether an unlit material can show the emission as a part of its vertex colours: base ⊗ c = base ⊗ E + Le
-/// needs a base colour that is the same all over the surface and nowhere 0 where there is emission.
-bool can_fold_emission(const Material& material);
+/// What a certificate has to know of both.
+ColorOutput new_gltf_output(const Scene& scene, const GltfWriteOptions& options);
+ColorOutput gltf_asset_output(const GltfAsset& asset, const Scene& scene, const GltfWriteOptions& options);
 
-inline bool has_emission(const Material& material) {
-  return !(material.emission == LinearRgb{0, 0, 0});
+inline bool has_texture(const Material& material) {
+  return material.base_color_texture != no_texture || material.emission_texture != no_texture;
 }
 
 /// Findings about what the storage of the colours could not hold.

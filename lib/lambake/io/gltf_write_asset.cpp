@@ -16,6 +16,49 @@
 namespace lambake {
 namespace {
 
+bool replaces_color(const GltfWriteOptions& options) {
+  return options.attribute == "COLOR_0";
+}
+
+/// Unlit primitives show what they did before; those without a triangle have nothing to light.
+bool is_lit(const PlacedPrimitive& placed, const Scene& scene) {
+  return placed.triangle_begin < placed.triangle_end &&
+         !scene.materials[scene.mesh.material_of(placed.triangle_begin)].is_unlit;
+}
+
+bool has_color(const GltfAsset& asset, const PlacedPrimitive& placed) {
+  return asset.model.meshes[placed.mesh].primitives[placed.primitive].attributes.contains("COLOR_0");
+}
+
+/// An unlit material shows no emission of its own, so that it goes into the vertex colours: base ⊗ c = base ⊗
+/// E
+/// + Le needs a base colour that is the same all over the surface and nowhere 0 where there is emission.
+bool needs_emission(const Material& material, const GltfWriteOptions& options) {
+  return options.mark_unlit && replaces_color(options) && has_emission(material);
+}
+bool can_write_emission(const Material& material) {
+  const LinearRgb& base = material.base_color;
+  const LinearRgb& emission = material.emission;
+  const auto holds = [](float factor, float light) { return light == 0 || factor > 0; };
+  return !has_texture(material) && holds(base.r, emission.r) && holds(base.g, emission.g) &&
+         holds(base.b, emission.b);
+}
+
+ColorFolding folding_of(const Material& material, const GltfWriteOptions& options) {
+  ColorFolding folding;
+  if (!needs_emission(material, options) || !can_write_emission(material)) return folding;
+  const auto share = [](float light, float base) { return light == 0 ? 0.0f : light / base; };
+  folding.shift = {share(material.emission.r, material.base_color.r),
+                   share(material.emission.g, material.base_color.g),
+                   share(material.emission.b, material.base_color.b)};
+  return folding;
+}
+
+/// COLOR_0 lies in [0,1] by the specification, as floats too.
+ColorEncoding encoding_of(const GltfWriteOptions& options) {
+  return {.storage = options.color, .is_clamped = replaces_color(options)};
+}
+
 class AssetWriter {
  public:
   AssetWriter(const GltfAsset& asset, const Scene& scene, const BakedColors& baked,
@@ -33,7 +76,7 @@ class AssetWriter {
     PrimitiveRewriter rewriter(asset_, document);
     const std::vector<BakedPrimitive> primitives = baked_primitives(asset_, scene_, baked_);
     for (std::size_t i = 0; i < primitives.size(); ++i)
-      if (is_lit(asset_.placed[i])) light(asset_.placed[i], primitives[i], document, rewriter);
+      if (is_lit(asset_.placed[i], scene_)) light(asset_.placed[i], primitives[i], document, rewriter);
     if (options_.mark_unlit) mark_materials(document.json);
     drop_unused_draco(document.json);
     if (n_rewritten_ > 0) drop_replaced(asset_.json, document);
@@ -45,10 +88,6 @@ class AssetWriter {
   const Material& material_of(const PlacedPrimitive& placed) const {
     return scene_.materials[scene_.mesh.material_of(placed.triangle_begin)];
   }
-  /// Unlit primitives show what they did before; those without a triangle have nothing to light.
-  bool is_lit(const PlacedPrimitive& placed) const {
-    return placed.triangle_begin < placed.triangle_end && !material_of(placed).is_unlit;
-  }
 
   /// Gives each lit node a mesh that no other node uses: the file's own for the first of them, copies for the
   /// others. Nodes that are not lit keep the file's, and then all lit ones get copies.
@@ -58,7 +97,7 @@ class AssetWriter {
       if (asset_.model.nodes[n].mesh >= 0)
         users[static_cast<std::size_t>(asset_.model.nodes[n].mesh)].insert(n);
     for (const PlacedPrimitive& placed : asset_.placed)
-      if (is_lit(placed)) lit[placed.mesh].insert(placed.node);
+      if (is_lit(placed, scene_)) lit[placed.mesh].insert(placed.node);
     mesh_of_node_.assign(asset_.model.nodes.size(), 0);
     for (std::size_t m = 0; m < lit.size(); ++m) {
       bool is_taken = lit[m].size() < users[m].size();
@@ -76,13 +115,12 @@ class AssetWriter {
     const std::size_t mesh = mesh_of_node_[placed.node];
     lit_.emplace(mesh, placed.primitive);
     GltfJson primitive = document.json["meshes"][mesh]["primitives"][placed.primitive];
-    const tinygltf::Primitive& original = asset_.model.meshes[placed.mesh].primitives[placed.primitive];
     if (baked.is_rewritten) {
       rewriter.rewrite(primitive, baked, options_.attribute);
       ++n_rewritten_;
     }
-    const bool had_color = original.attributes.contains("COLOR_0");
-    if (had_color && replaces_color()) ++n_multiplied_;
+    const bool had_color = has_color(asset_, placed);
+    if (had_color && replaces_color(options_)) ++n_multiplied_;
     const EncodedColors encoded = encode(placed, baked, had_color);
     written_.clipped_vertices += encoded.clipped;
     negative_ += encoded.negative;
@@ -90,33 +128,24 @@ class AssetWriter {
     document.json["meshes"][mesh]["primitives"][placed.primitive] = std::move(primitive);
   }
 
-  bool replaces_color() const { return options_.attribute == "COLOR_0"; }
-
   /// The colours of a primitive's vertices: light, times the vertex colour that was there where it is
-  /// replaced. An unlit material shows no emission of its own, so that goes in where it can.
+  /// replaced, and emission where an unlit material needs it.
   EncodedColors encode(const PlacedPrimitive& placed, const BakedPrimitive& baked, bool had_color) {
     const Material& material = material_of(placed);
-    LinearRgb emission{0, 0, 0};
-    if (options_.mark_unlit && replaces_color() && has_emission(material)) {
-      const auto share = [](float light, float base) { return light == 0 ? 0.0f : light / base; };
-      if (can_fold_emission(material))
-        emission = {share(material.emission.r, material.base_color.r),
-                    share(material.emission.g, material.base_color.g),
-                    share(material.emission.b, material.base_color.b)};
-      else
-        emission_lost_ += baked.mesh_vertices.size();
-    }
-    const bool has_opacities = had_color && replaces_color() && !mesh_.opacities.empty();
+    if (needs_emission(material, options_) && !can_write_emission(material))
+      emission_lost_ += baked.mesh_vertices.size();
+    const ColorFolding fold = folding_of(material, options_);
+    const bool has_opacities = had_color && replaces_color(options_) && !mesh_.opacities.empty();
     std::vector<LinearRgb> colors;
     std::vector<float> opacities;
     colors.reserve(baked.mesh_vertices.size());
     for (const std::uint32_t v : baked.mesh_vertices) {
       LinearRgb color = v == no_vertex ? LinearRgb{} : baked_.colors[v];
-      if (had_color && !replaces_color() && v != no_vertex) color = divide(color, mesh_.colors[v]);
-      colors.push_back(color + emission);
+      if (had_color && !replaces_color(options_) && v != no_vertex) color = divide(color, mesh_.colors[v]);
+      colors.push_back(fold(color));
       if (has_opacities) opacities.push_back(v == no_vertex ? 1.0f : mesh_.opacities[v]);
     }
-    return encode_colors(colors, opacities, {.storage = options_.color, .is_clamped = replaces_color()});
+    return encode_colors(colors, opacities, encoding_of(options_));
   }
 
   /// Light alone: where the vertex colour is 0 any light does, as the product stays 0.
@@ -219,6 +248,35 @@ void check_buffer_path(const std::string& path, const GltfAsset& asset) {
 }
 
 }  // namespace
+
+ColorOutput gltf_asset_output(const GltfAsset& asset, const Scene& scene, const GltfWriteOptions& options) {
+  ColorOutput output;
+  output.shown = [options](const LinearRgb& color, const Material& material) {
+    const auto to_double = [](const LinearRgb& c) { return glm::dvec3(c.r, c.g, c.b); };
+    const glm::dvec3 base = to_double(material.base_color);
+    if (material.is_unlit) return base * to_double(color);
+    const ColorFolding fold = folding_of(material, options);
+    const glm::dvec3 shown = base * to_double(encoded_color(fold(color), encoding_of(options)));
+    const bool is_folded = !(fold.shift == LinearRgb{0, 0, 0});
+    return is_folded ? shown : shown + to_double(material.emission);
+  };
+  const std::vector<bool> is_used = used_materials(scene.mesh, scene.materials.size());
+  std::size_t n_unwritten = 0, n_multiplied = 0;
+  for (std::size_t m = 0; m < is_used.size(); ++m)
+    n_unwritten +=
+        is_used[m] && needs_emission(scene.materials[m], options) && !can_write_emission(scene.materials[m]);
+  for (const PlacedPrimitive& placed : asset.placed)
+    n_multiplied += !replaces_color(options) && is_lit(placed, scene) && has_color(asset, placed);
+  add_finding(
+      output.gaps, "certificate_not_of_file", n_unwritten,
+      "material[ emits|s emit] light that vertex colours cannot hold beside a texture or a base colour "
+      "of 0, so that the file shows less");
+  add_finding(
+      output.gaps, "certificate_not_of_file", n_multiplied,
+      "primitive[ has|s have] vertex colours beside the light, so that a viewer multiplies two colours "
+      "that it has interpolated");
+  return output;
+}
 
 WrittenColors write_gltf_asset(const std::string& path, const GltfAsset& asset, const Scene& scene,
                                const BakedColors& baked, const GltfWriteOptions& options) {

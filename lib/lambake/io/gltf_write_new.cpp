@@ -16,6 +16,19 @@
 namespace lambake {
 namespace {
 
+/// The base colour is in the vertex colours, and the emission where it is the same all over the surface.
+bool can_write_emission(const Material& material) {
+  return !has_texture(material);
+}
+
+ColorFolding folding_of(const Material& material) {
+  return {material.base_color, can_write_emission(material) ? emission_of(material) : LinearRgb{0, 0, 0}};
+}
+
+ColorEncoding encoding_of(const GltfWriteOptions& options) {
+  return {.storage = options.color, .is_clamped = options.attribute.front() != '_'};
+}
+
 /// The vertices and triangles of one primitive, by their indices in the mesh.
 struct Part {
   std::uint32_t material = 0;
@@ -178,8 +191,7 @@ class NewAsset {
 
   std::size_t write_colors(GltfDocument& document, const Part& part, std::size_t n_vertices) {
     const Material& material = scene_.materials[part.material];
-    const bool folds_emission = can_fold_emission(material);
-    if (has_emission(material) && !folds_emission)
+    if (has_emission(material) && !can_write_emission(material))
       add_finding(
           written_.findings, "emission_not_written", n_vertices,
           fmt::format(
@@ -189,10 +201,8 @@ class NewAsset {
     std::span<const LinearRgb> colors = kept_.of_part(colors_, part);
     if (material.base_color != LinearRgb{1, 1, 1} || has_emission(material)) {
       std::vector<LinearRgb> folded(colors.begin(), colors.end());
-      for (LinearRgb& color : folded) {
-        color = color * material.base_color;
-        if (folds_emission) color += material.emission;
-      }
+      const ColorFolding fold = folding_of(material);
+      for (LinearRgb& color : folded) color = fold(color);
       colors = kept_.keep(std::move(folded));
     }
     std::span<const float> opacities = kept_.of_part(mesh_.opacities, part);
@@ -202,8 +212,7 @@ class NewAsset {
       for (float& opacity : scaled) opacity *= material.opacity;
       opacities = kept_.keep(std::move(scaled));
     }
-    const EncodedColors& encoded = kept_.keep(encode_colors(
-        colors, opacities, {.storage = options_.color, .is_clamped = options_.attribute.front() != '_'}));
+    const EncodedColors& encoded = kept_.keep(encode_colors(colors, opacities, encoding_of(options_)));
     written_.clipped_vertices += encoded.clipped;
     negative_ += encoded.negative;
     GltfElements elements = encoded.elements();
@@ -278,6 +287,23 @@ class NewAsset {
 };
 
 }  // namespace
+
+ColorOutput new_gltf_output(const Scene& scene, const GltfWriteOptions& options) {
+  ColorOutput output;
+  output.shown = [encoding = encoding_of(options)](const LinearRgb& color, const Material& material) {
+    const LinearRgb shown = encoded_color(folding_of(material)(color), encoding);
+    const LinearRgb unwritten = can_write_emission(material) ? LinearRgb{} : emission_of(material);
+    return glm::dvec3(shown.r, shown.g, shown.b) + glm::dvec3(unwritten.r, unwritten.g, unwritten.b);
+  };
+  const std::vector<bool> is_used = used_materials(scene.mesh, scene.materials.size());
+  std::size_t n_unwritten = 0;
+  for (std::size_t m = 0; m < is_used.size(); ++m)
+    n_unwritten += is_used[m] && has_emission(scene.materials[m]) && !can_write_emission(scene.materials[m]);
+  add_finding(output.gaps, "certificate_not_of_file", n_unwritten,
+              "material[ emits|s emit] light that vertex colours cannot hold beside a texture, so that the "
+              "file shows less");
+  return output;
+}
 
 WrittenColors write_new_gltf(const std::string& path, const Scene& scene, const BakedColors& baked,
                              const GltfWriteOptions& options) {

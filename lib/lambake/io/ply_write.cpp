@@ -19,16 +19,6 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "rows are copied as they lie in memory");
 
-/// The material of each vertex: that of the first triangle that names it (vertices are split where materials
-/// meet), or 0.
-std::vector<std::uint32_t> materials_of_vertices(const Mesh& mesh) {
-  std::vector<std::uint32_t> materials(mesh.n_vertices(), 0);
-  if (mesh.materials.empty()) return materials;
-  for (std::size_t t = mesh.n_triangles(); t-- > 0;)
-    for (int c = 0; c < 3; ++c) materials[mesh.triangles[t][c]] = mesh.materials[t];
-  return materials;
-}
-
 LinearRgb sample_rgb(const Scene& scene, const Mesh& mesh, std::uint32_t texture, std::size_t v) {
   if (texture == no_texture) return {1, 1, 1};
   const Texture& t = scene.textures[texture];
@@ -43,8 +33,18 @@ LinearRgb color_at(const Scene& scene, const Mesh& mesh, const Material& materia
                    std::size_t v) {
   const LinearRgb base =
       material.base_color * sample_rgb(scene, mesh, material.base_color_texture, v) * baked;
-  if (material.emission == LinearRgb{}) return base;
-  return base + material.emission * sample_rgb(scene, mesh, material.emission_texture, v);
+  const LinearRgb emission = emission_of(material);
+  if (emission == LinearRgb{}) return base;
+  return base + emission * sample_rgb(scene, mesh, material.emission_texture, v);
+}
+
+/// Whether P is not linear between the vertices even if the light is.
+bool has_texture(const Mesh& mesh, const Scene& scene, const Material& material) {
+  const auto has = [&](std::uint32_t texture) {
+    return texture != no_texture &&
+           !mesh.texcoords[static_cast<std::size_t>(scene.textures[texture].texcoord_set)].empty();
+  };
+  return has(material.base_color_texture) || (has_emission(material) && has(material.emission_texture));
 }
 
 std::string make_header(const Mesh& mesh, bool is_float) {
@@ -82,6 +82,24 @@ void append(char*& row, const T& value) {
 
 }  // namespace
 
+ColorOutput ply_output(const Scene& scene, const PlyWriteOptions& options) {
+  ColorOutput output;
+  output.shown = [storage = options.color](const LinearRgb& baked, const Material& material) {
+    LinearRgb color = material.base_color * baked + emission_of(material);
+    if (!is_finite(color)) color = {0, 0, 0};
+    if (storage == ColorStorage::u8) color = to_linear(to_srgb8(color));
+    return glm::dvec3(color.r, color.g, color.b);
+  };
+  const std::vector<bool> is_used = used_materials(scene.mesh, scene.materials.size());
+  std::size_t n_textured = 0;
+  for (std::size_t m = 0; m < is_used.size(); ++m)
+    n_textured += is_used[m] && has_texture(scene.mesh, scene, scene.materials[m]);
+  add_finding(output.gaps, "certificate_not_of_file", n_textured,
+              "material[ has a texture, of which|s have a texture, of which] the file holds what is at the "
+              "vertices alone");
+  return output;
+}
+
 WrittenColors write_ply_file(const std::string& path, const Scene& scene, const BakedColors& baked,
                              const PlyWriteOptions& options) {
   if (options.color == ColorStorage::u16)
@@ -91,7 +109,7 @@ WrittenColors write_ply_file(const std::string& path, const Scene& scene, const 
 
   WrittenColors written;
   std::vector<LinearRgb> colors(mesh.n_vertices());
-  const std::vector<std::uint32_t> materials = materials_of_vertices(mesh);
+  const std::vector<std::uint32_t> materials = vertex_materials(mesh);
   parallel_blocks(mesh.n_vertices(), 4096, [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v < end; ++v)
       colors[v] = color_at(scene, mesh, scene.materials[materials[v]], baked.colors[v], v);

@@ -19,6 +19,9 @@ struct PlyWriteOptions {
 WrittenColors write_ply_file(const std::string& path, const Scene& scene, const BakedColors& baked,
                              const PlyWriteOptions& options);
 
+/// What a certificate has to know of such a file.
+ColorOutput ply_output(const Scene& scene, const PlyWriteOptions& options);
+
 /// Writes a binary little-endian PLY, whole or not at all: the mesh's positions, and for each triangle its
 /// colour (uchar red green blue, sRGB-encoded) and a number (float quality, as MeshLab calls it).
 /// @param comment  one line for the header that says what the number is. @throws IoError.

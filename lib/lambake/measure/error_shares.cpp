@@ -35,17 +35,22 @@ double rms_of_difference(const ComparedSurface& surface, const std::vector<Linea
 
 }  // namespace
 
-ErrorShares error_shares(const Scene& scene, const BakedColors& baked,
-                         const std::function<LinearRgb(const LinearRgb&)>& as_stored) {
+ErrorShares error_shares(const Scene& scene, const BakedColors& baked, const ColorOutput& output) {
   ErrorShares shares;
   shares.interpolation = surface_error(scene, baked, ErrorSpace::linear).rmse;
-  if (!as_stored) return shares;
+  if (!output.shown) return shares;
   const ComparedSurface surface(scene, baked);
+  const std::vector<std::uint32_t> materials = vertex_materials(surface.mesh());
+  std::vector<ColorRange> ranges;
+  for (const Material& material : scene.materials) ranges.push_back(stored_range(output, material));
   std::vector<LinearRgb> clipped = baked.colors, stored;
-  for (LinearRgb& c : clipped)
-    c = {std::clamp(c.r, 0.0f, 1.0f), std::clamp(c.g, 0.0f, 1.0f), std::clamp(c.b, 0.0f, 1.0f)};
   stored.reserve(clipped.size());
-  for (const LinearRgb& c : clipped) stored.push_back(as_stored(c));
+  for (std::size_t v = 0; v < clipped.size(); ++v) {
+    const auto& [low, high] = ranges[materials[v]];
+    LinearRgb& c = clipped[v];
+    c = {std::clamp(c.r, low.r, high.r), std::clamp(c.g, low.g, high.g), std::clamp(c.b, low.b, high.b)};
+    stored.push_back(as_stored(output, c, scene.materials[materials[v]]));
+  }
   shares.clipping = rms_of_difference(surface, clipped, baked.colors);
   shares.quantisation = rms_of_difference(surface, stored, clipped);
   return shares;

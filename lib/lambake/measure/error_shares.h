@@ -1,7 +1,5 @@
 #pragma once
 
-#include <functional>
-
 #include "lambake/bake/bake.h"
 #include "lambake/scene/scene.h"
 
@@ -11,13 +9,11 @@ namespace lambake {
 /// step alone. Their squares add up to that of the whole as far as the steps are independent.
 struct ErrorShares {
   double interpolation = 0;  ///< Of the colours as computed against per-pixel lighting.
-  double clipping = 0;  ///< Of colours clamped to what the storage holds, [0,1], against those as computed.
-  double quantisation = 0;  ///< Of the colours as stored against the clamped ones.
+  double clipping = 0;       ///< Of colours clamped to what the storage holds against those as computed.
+  double quantisation = 0;   ///< Of the colours as stored against the clamped ones.
 };
 
-/// @param baked      colours as computed.
-/// @param as_stored  what the storage keeps of a colour; empty: all of it.
-ErrorShares error_shares(const Scene& scene, const BakedColors& baked,
-                         const std::function<LinearRgb(const LinearRgb&)>& as_stored);
+/// @param baked  colours as computed.
+ErrorShares error_shares(const Scene& scene, const BakedColors& baked, const ColorOutput& output);
 
 }  // namespace lambake

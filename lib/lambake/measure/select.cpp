@@ -25,17 +25,28 @@ std::string steps(double error) {
   return std::isfinite(error) ? fmt::format("{:.3g}/255", error * 255) : "no bound";
 }
 
+/// Triangles that only storage keeps from being certified.
+std::size_t open_by_storage(const BakedColors& baked) {
+  for (const Finding& finding : baked.findings)
+    if (finding.code == "triangles_open_by_storage") return finding.count;
+  return 0;
+}
+
 std::string verdict(const Selection& selection, const BakeOptions& options, std::size_t n_vertices) {
   const MethodTrial& best = selection.trials[selection.chosen];
   const std::string count = group_digits(best.n_vertices);
+  if (!options.output.gaps.empty()) {
+    const Finding& gap = options.output.gaps.front();
+    return fmt::format("nothing can be certified: {} {}; {} comes nearest, its light is up to {} off",
+                       gap.count, gap.text, name_of(best.method), steps(best.max_found));
+  }
   // Where storage alone spoils the result, light per pixel is not what is missing.
-  for (const Finding& finding : selection.baked.findings)
-    if (finding.code == "triangles_open_by_storage" && selection.baked.certificate &&
-        finding.count == selection.baked.certificate->open_triangles)
-      return fmt::format(
-          "{} → {} vertices would do for {}, but the output clips or rounds colours: up to {} off; "
-          "a lower exposure or finer colours help",
-          group_digits(n_vertices), count, steps(options.tolerance), steps(best.max_bound));
+  if (!selection.is_certified && selection.baked.certificate &&
+      open_by_storage(selection.baked) == selection.baked.certificate->open_triangles)
+    return fmt::format(
+        "{} → {} vertices would do for {}, but the output clips or rounds colours: up to {} off; "
+        "a lower exposure or finer colours help",
+        group_digits(n_vertices), count, steps(options.tolerance), steps(best.max_bound));
   if (!selection.is_certified)
     return fmt::format("per-pixel lighting is needed: even {} vertices leave up to {} where {} is asked",
                        count, steps(best.max_bound), steps(options.tolerance));
@@ -67,19 +78,23 @@ std::string name_of(BakeMethod method) {
 
 Selection select_method(const Scene& scene, const BakeOptions& options) {
   Selection selection;
-  const auto cost = [](const MethodTrial& trial) {
-    return std::make_tuple(!trial.is_certified, trial.bytes, trial.seconds);
+  const bool can_certify = options.output.gaps.empty();
+  std::vector<BakeMethod> methods = {BakeMethod::face, BakeMethod::sample, BakeMethod::least_squares};
+  if (can_certify) methods.push_back(BakeMethod::adaptive);
+  const auto is_better = [&](const MethodTrial& trial, const MethodTrial& than) {
+    if (!can_certify) return trial.max_found < than.max_found;
+    if (trial.is_certified && than.is_certified)
+      return std::tie(trial.bytes, trial.seconds) < std::tie(than.bytes, than.seconds);
+    return trial.is_certified || (!than.is_certified && trial.method == BakeMethod::adaptive);
   };
-  for (const BakeMethod method :
-       {BakeMethod::face, BakeMethod::sample, BakeMethod::least_squares, BakeMethod::adaptive}) {
+  for (const BakeMethod method : methods) {
     BakeOptions with = options;
     with.method = method;
     const auto start = std::chrono::steady_clock::now();
     BakedColors baked = bake(scene, with);
     MethodTrial trial;
     trial.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    if (options.as_stored && method != BakeMethod::adaptive)
-      for (LinearRgb& c : baked.colors) c = options.as_stored(c);
+    if (method != BakeMethod::adaptive) take_stored_colors(scene, options.output, baked);
     const Mesh& mesh = mesh_of(scene, baked);
     trial.method = method;
     trial.n_vertices = mesh.n_vertices();
@@ -88,18 +103,20 @@ Selection select_method(const Scene& scene, const BakeOptions& options) {
     const SurfaceError error = surface_error(scene, baked, options.tolerance_space);
     trial.rmse = error.rmse;
     trial.max_found = error.max_sampled;
-    trial.max_bound = certified_maximum(scene, baked, options.tolerance_space, error.max_sampled);
+    trial.max_bound =
+        bound_in_output(scene, options.output, options.tolerance_space,
+                        certified_maximum(scene, baked, options.tolerance_space, error.max_sampled));
     trial.is_certified = trial.max_bound <= options.tolerance;
     selection.trials.push_back(trial);
-    const bool is_last = method == BakeMethod::adaptive;
-    const bool is_best =
-        selection.trials.size() == 1 || cost(trial) < cost(selection.trials[selection.chosen]);
-    if ((trial.is_certified && is_best) || (is_last && !selection.is_certified)) {
+    if (selection.trials.size() == 1 || is_better(trial, selection.trials[selection.chosen])) {
       selection.chosen = selection.trials.size() - 1;
       selection.is_certified = trial.is_certified;
       selection.baked = std::move(baked);
     }
   }
+  if (!can_certify)
+    selection.baked.findings.insert(selection.baked.findings.end(), options.output.gaps.begin(),
+                                    options.output.gaps.end());
   selection.sentence = verdict(selection, options, scene.mesh.n_vertices());
   return selection;
 }

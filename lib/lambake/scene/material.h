@@ -45,7 +45,15 @@ struct Material {
   AlphaMode alpha_mode = AlphaMode::opaque;
   float alpha_cutoff = 0.5f;    ///< For AlphaMode::mask: less than this is not drawn.
   bool is_double_sided = true;  ///< Otherwise faces seen from behind are not drawn.
-  bool is_unlit = false;        ///< Shows its base colour as it is; takes no light.
+  bool is_unlit = false;        ///< Shows its base colour as it is; takes no light, shows no emission.
 };
+
+/// What it shows of its emission, but for the texture.
+inline LinearRgb emission_of(const Material& material) {
+  return material.is_unlit ? LinearRgb{0, 0, 0} : material.emission;
+}
+inline bool has_emission(const Material& material) {
+  return !(emission_of(material) == LinearRgb{0, 0, 0});
+}
 
 }  // namespace lambake

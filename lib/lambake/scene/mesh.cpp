@@ -30,6 +30,20 @@ std::uint32_t append_vertex_copy(Mesh& mesh, std::uint32_t v) {
   return index;
 }
 
+std::vector<std::uint32_t> vertex_materials(const Mesh& mesh) {
+  std::vector<std::uint32_t> materials(mesh.n_vertices(), 0);
+  if (mesh.materials.empty()) return materials;
+  for (std::size_t f = 0; f < mesh.n_triangles(); ++f)
+    for (int c = 0; c < 3; ++c) materials[mesh.triangles[f][c]] = mesh.materials[f];
+  return materials;
+}
+
+std::vector<bool> used_materials(const Mesh& mesh, std::size_t n_materials) {
+  std::vector<bool> is_used(n_materials, false);
+  for (std::size_t f = 0; f < mesh.n_triangles(); ++f) is_used[mesh.material_of(f)] = true;
+  return is_used;
+}
+
 void check_mesh(const Mesh& mesh, std::size_t n_materials) {
   const std::size_t n_vertices = mesh.n_vertices();
   const std::size_t n_triangles = mesh.n_triangles();

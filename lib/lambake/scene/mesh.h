@@ -45,6 +45,12 @@ struct Mesh {
 /// `source_vertices` is made if there was none.
 std::uint32_t append_vertex_copy(Mesh& mesh, std::uint32_t v);
 
+/// V: the material of each vertex's triangles, which are of one; 0 where there is none.
+std::vector<std::uint32_t> vertex_materials(const Mesh& mesh);
+
+/// For each of `n_materials` whether a triangle is of it.
+std::vector<bool> used_materials(const Mesh& mesh, std::size_t n_materials);
+
 /// Throws InvalidScene if an array has not the length that its comment gives or an index is out of range.
 void check_mesh(const Mesh& mesh, std::size_t n_materials);
 
