@@ -8,9 +8,11 @@
 
 #include "lambake/core/error.h"
 #include "lambake/io/canonical_file.h"
+#include "lambake/io/canonical_ply.h"
 #include "lambake/io/corner_attributes.h"
 #include "lambake/io/file_color.h"
 #include "lambake/io/file_texture.h"
+#include "lambake/io/input_file.h"
 #include "lambake/io/plain_ply.h"
 #include "lambake/io/ply_header.h"
 #include "lambake/io/text_cursor.h"
@@ -235,8 +237,8 @@ class PlyScan {
     if (has_colors) file_.colors.reserve(element.count);
     const bool has_alpha = has_colors && has_all({Role::alpha});
     if (has_alpha) file_.opacities.reserve(element.count);
-    row_size_ = 4 * (3 + (file_.has_normals ? 3 : 0) + (file_.has_texcoords ? 2 : 0));
-    vertex_rows_.reserve(row_size_ * element.count);
+    const std::size_t row_size = 4 * (3 + (file_.has_normals ? 3 : 0) + (file_.has_texcoords ? 2 : 0));
+    vertex_rows_.reserve(row_size * element.count);
     float values[n_scalar_roles] = {};
     const auto value = [&](Role role) { return values[static_cast<std::size_t>(role)]; };
     for (std::size_t i = 0; i < element.count; ++i) {
@@ -347,9 +349,7 @@ class PlyScan {
 
   void append_face(std::span<const std::uint32_t> corners) {
     if (!kept_.keep(corners.size())) return;
-    const auto n = static_cast<std::uint32_t>(corners.size());
-    append_bytes(face_rows_, &n, 4);
-    append_bytes(face_rows_, corners.data(), 4 * corners.size());
+    append_face_row(face_rows_, corners);
   }
 
   /// Triangle strips: lists of indices in which a negative one ends a strip; every second triangle of a strip
@@ -403,18 +403,7 @@ class PlyScan {
     if (!file_.materials.empty()) file_.materials.emplace_back();  // For faces without one.
 
     std::string().swap(text_);  // All of it has been read; only this gives the memory back.
-    std::string& out = file_.bytes;
-    out = fmt::format(
-        "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty float x\nproperty float y\n"
-        "property float z\n{}{}element face {}\nproperty list int int vertex_indices\nend_header\n",
-        file_.n_vertices + file_.copied_vertices.size(),
-        file_.has_normals ? "property float nx\nproperty float ny\nproperty float nz\n" : "",
-        file_.has_texcoords ? "property float u\nproperty float v\n" : "", kept_.n_kept());
-    out.reserve(out.size() + vertex_rows_.size() + row_size_ * file_.copied_vertices.size() +
-                face_rows_.size());
-    out += vertex_rows_;
-    for (const std::uint32_t v : file_.copied_vertices) out.append(vertex_rows_, v * row_size_, row_size_);
-    out += face_rows_;
+    write_canonical_ply(std::move(vertex_rows_), std::move(face_rows_), kept_.n_kept(), file_);
   }
 
   const std::string& path_;
@@ -425,16 +414,15 @@ class PlyScan {
   std::optional<CornerAttributes> corner_attributes_;
   KeptFaces kept_;
   std::string vertex_rows_, face_rows_;
-  std::size_t row_size_ = 0;
 };
 
 }  // namespace
 
-CanonicalFile scan_ply(const std::string& path, std::string&& text) {
+CanonicalFile scan_ply(const std::string& path) {
+  std::string text = read_bytes(path);
   const PlyHeader header = read_ply_header(path, text);
   const std::string_view body = std::string_view(text).substr(header.size);
   CanonicalFile file;
-  file.extension = "ply";
   switch (header.encoding) {
     case PlyEncoding::ascii:
       file.format = "PLY ascii";
