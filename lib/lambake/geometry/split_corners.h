@@ -16,7 +16,9 @@ class CornerSplitter {
  public:
   using Key = std::array<std::uint32_t, 3>;  ///< Whatever tells two kinds of corners apart.
 
-  explicit CornerSplitter(std::size_t n_vertices) : first_(n_vertices, none) {}
+  explicit CornerSplitter(std::size_t n_vertices) : first_(n_vertices, none) {
+    kinds_.reserve(n_vertices);  // Most vertices have one.
+  }
 
   /// The vertex of a corner at `vertex` (< V) of kind `key`. O(kinds at the vertex).
   /// @param is_same  whether two keys are of one kind, if other keys than equal ones are.

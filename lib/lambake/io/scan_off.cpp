@@ -125,6 +125,7 @@ class OffScan {
   }
 
   void scan_vertices() {
+    vertex_rows_.reserve(12 * file_.n_vertices);
     for (std::size_t i = 0; i < file_.n_vertices; ++i) {
       if (!cursor_.skip_to_token()) cursor_.fail(fmt::format("vertex {} of {}", i + 1, file_.n_vertices), {});
       const glm::vec3 p = scan_vector("three coordinates");
@@ -148,6 +149,7 @@ class OffScan {
   }
 
   void scan_faces() {
+    face_rows_.reserve(16 * file_.n_faces);  // Of triangles.
     std::vector<std::uint32_t> corners;
     for (std::size_t f = 0; f < file_.n_faces; ++f) {
       if (!cursor_.skip_to_token()) cursor_.fail(fmt::format("face {} of {}", f + 1, file_.n_faces), {});

@@ -27,37 +27,8 @@ class FacetSink {
  public:
   explicit FacetSink(CanonicalFile& file) : file_(file) {}
 
-  void reserve(std::size_t n_facets) { face_rows_.reserve(face_row_size * n_facets); }
+  void reserve(std::size_t n_facets) { face_rows_.reserve(16 * n_facets); }
   void add(const Corners& corners) {
-    // Vertices that only faces without area have come last.
-    if (is_sound(corners))
-      append(weld(corners));
-    else
-      odd_facets_.emplace_back(file_.n_faces, corners), append({});
-    ++file_.n_faces;
-  }
-  void finish() {
-    for (const auto& [index, corners] : odd_facets_) {
-      const std::array<std::uint32_t, 3> ids = weld(corners);
-      std::memcpy(face_rows_.data() + face_row_size * index + 4, ids.data(), sizeof ids);
-    }
-    file_.n_vertices = numbers_.size();
-    numbers_ = {};
-    write_canonical_ply(std::move(vertex_rows_), std::move(face_rows_), file_.n_faces, file_);
-  }
-
- private:
-  static constexpr std::size_t face_row_size = 16;
-
-  static bool is_sound(const Corners& corners) {
-    for (const glm::vec3& p : corners) {
-      if (!is_finite(p)) return false;
-      for (int c = 0; c < 3; ++c)
-        if (p[c] != 0 && std::abs(p[c]) < 1e-30f) return false;
-    }
-    return corners[0] != corners[1] && corners[1] != corners[2] && corners[2] != corners[0];
-  }
-  std::array<std::uint32_t, 3> weld(const Corners& corners) {
     std::array<std::uint32_t, 3> ids{};
     for (std::size_t c = 0; c < 3; ++c) {
       const glm::vec3& p = corners[c];
@@ -65,14 +36,19 @@ class FacetSink {
       ids[c] = numbers_.number_of(p.x + 0.0f, p.y + 0.0f, p.z + 0.0f);
       if (numbers_.size() > n_before) vertex_rows_.append(reinterpret_cast<const char*>(&p), sizeof p);
     }
-    return ids;
+    append_face_row(face_rows_, ids);
+    ++file_.n_faces;
   }
-  void append(const std::array<std::uint32_t, 3>& ids) { append_face_row(face_rows_, ids); }
+  void finish() {
+    file_.n_vertices = numbers_.size();
+    numbers_ = {};
+    write_canonical_ply(std::move(vertex_rows_), std::move(face_rows_), file_.n_faces, file_);
+  }
 
+ private:
   CanonicalFile& file_;
   ValueNumbers numbers_;
   std::string vertex_rows_, face_rows_;
-  std::vector<std::pair<std::size_t, Corners>> odd_facets_;  // By their index in the file.
 };
 
 void scan_binary(const std::string& path, InputFile& input, CanonicalFile& file) {
@@ -117,7 +93,10 @@ bool is_keyword(std::string_view token, std::string_view keyword) {
 class AsciiStlScan {
  public:
   AsciiStlScan(const std::string& path, InputFile& input, CanonicalFile& file)
-      : blocks_(input), cursor_(path, blocks_, 0), file_(file), sink_(file) {}
+      : blocks_(input), cursor_(path, blocks_, 0), file_(file), sink_(file) {
+    constexpr std::size_t shortest_facet = 86;  // With one character for each number and blank.
+    sink_.reserve(input.size() / shortest_facet);
+  }
 
   void run() {
     while (cursor_.skip_to_token()) {
