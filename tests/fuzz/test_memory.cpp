@@ -58,6 +58,18 @@ std::string faceted_obj() {
   return text;
 }
 
+std::string ascii_ply() {
+  std::string text = fmt::format(
+      "ply\nformat ascii 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\n"
+      "property float nx\nproperty float ny\nproperty float nz\nproperty float s\nproperty float t\n"
+      "element face {}\nproperty list uchar int vertex_indices\nend_header\n",
+      n_side * n_side, floor_triangles().size());
+  for (int v = 0; v < n_side * n_side; ++v)
+    text += position(v) + fmt::format(" 0.0 {:.6f} 1.0 {:.6f} {:.6f}\n", v * 1e-6, v * 1e-6, v * 2e-6);
+  for (const auto& [a, b, c] : floor_triangles()) text += fmt::format("3 {} {} {}\n", a, b, c);
+  return text;
+}
+
 std::string off() {
   std::string text = fmt::format("OFF\n{} {} 0\n", n_side * n_side, floor_triangles().size());
   for (int v = 0; v < n_side * n_side; ++v) text += position(v) + "\n";
@@ -95,6 +107,7 @@ TEST(Memory, OfReadingAText_IsAtMostTwoAndAHalfTimesTheScene) {
   EXPECT_LT(peak_over_scene("plain.obj", obj(false), n), 2.5);
   EXPECT_LT(peak_over_scene("attributes.obj", obj(true), n), 2.5);
   EXPECT_LT(peak_over_scene("faceted.obj", faceted_obj(), 3 * floor_triangles().size()), 2.5);
+  EXPECT_LT(peak_over_scene("a.ply", ascii_ply(), n), 2.5);
   EXPECT_LT(peak_over_scene("a.off", off(), n), 2.5);
   EXPECT_LT(peak_over_scene("a.stl", ascii_stl(), n), 2.5);
 }

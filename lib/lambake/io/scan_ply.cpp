@@ -15,6 +15,7 @@
 #include "lambake/io/input_file.h"
 #include "lambake/io/plain_ply.h"
 #include "lambake/io/ply_header.h"
+#include "lambake/io/text_blocks.h"
 #include "lambake/io/text_cursor.h"
 
 namespace lambake {
@@ -23,8 +24,7 @@ namespace {
 /// Values of an ASCII body. Like every reader of PLY it takes line ends for blanks.
 class AsciiBody {
  public:
-  AsciiBody(const std::string& path, std::string_view text, std::size_t first_line)
-      : cursor_(path, text, 0, first_line) {}
+  explicit AsciiBody(const TextCursor& cursor) : cursor_(cursor) {}
 
   double number(PlyType type) {
     cursor_.skip_to_token();
@@ -163,8 +163,10 @@ void append_bytes(std::string& bytes, const void* data, std::size_t size) {
 template <typename Body>
 class PlyScan {
  public:
-  PlyScan(const std::string& path, const PlyHeader& header, Body body, std::string& text, CanonicalFile& file)
-      : path_(path), header_(header), body_(body), text_(text), file_(file), kept_(file) {}
+  /// @param bytes  what the body is in; is emptied in the end.
+  PlyScan(const std::string& path, const PlyHeader& header, Body body, std::string& bytes,
+          CanonicalFile& file)
+      : path_(path), header_(header), body_(body), bytes_(bytes), file_(file), kept_(file) {}
 
   void run() {
     const PlyElement* vertex = find("vertex");
@@ -283,7 +285,7 @@ class PlyScan {
                                                [](const auto& p) { return role_in_vertex(p) == Role::red; });
     const bool has_colors = channels[0] && channels[1] && channels[2] && !vertex_has_colors;
     corner_attributes_.emplace(file_, has_texcoords, has_colors);
-    face_rows_.reserve(std::min(body_.remaining() + 4 * element.count, element.count * 64));
+    face_rows_.reserve(16 * element.count);  // Of triangles.
 
     std::vector<std::uint32_t> corners;
     std::vector<float> texcoords;
@@ -402,14 +404,14 @@ class PlyScan {
     }
     if (!file_.materials.empty()) file_.materials.emplace_back();  // For faces without one.
 
-    std::string().swap(text_);  // All of it has been read; only this gives the memory back.
+    std::string().swap(bytes_);  // All of it has been read; only this gives the memory back.
     write_canonical_ply(std::move(vertex_rows_), std::move(face_rows_), kept_.n_kept(), file_);
   }
 
   const std::string& path_;
   const PlyHeader& header_;
   Body body_;
-  std::string& text_;
+  std::string& bytes_;
   CanonicalFile& file_;
   std::optional<CornerAttributes> corner_attributes_;
   KeptFaces kept_;
@@ -419,24 +421,27 @@ class PlyScan {
 }  // namespace
 
 CanonicalFile scan_ply(const std::string& path) {
-  std::string text = read_bytes(path);
-  const PlyHeader header = read_ply_header(path, text);
-  const std::string_view body = std::string_view(text).substr(header.size);
+  InputFile input(path);
+  TextBlocks blocks(input);
+  TextCursor cursor(path, blocks, 0);
+  const PlyHeader header = read_ply_header(path, cursor);
   CanonicalFile file;
-  switch (header.encoding) {
-    case PlyEncoding::ascii:
-      file.format = "PLY ascii";
-      PlyScan(path, header, AsciiBody(path, body, header.n_lines + 1), text, file).run();
-      break;
-    case PlyEncoding::little_endian:
-      file.format = "PLY binary LE";
-      if (take_plain_ply(header, text, file)) break;
-      PlyScan(path, header, BinaryBody<false>(path, body, header.size), text, file).run();
-      break;
-    case PlyEncoding::big_endian:
-      file.format = "PLY binary BE";
-      PlyScan(path, header, BinaryBody<true>(path, body, header.size), text, file).run();
-      break;
+  std::string bytes;  // Of a binary file: all of them.
+  if (header.encoding == PlyEncoding::ascii) {
+    file.format = "PLY ascii";
+    PlyScan(path, header, AsciiBody(cursor), bytes, file).run();
+    return file;
+  }
+  input.rewind();
+  bytes = input.take();
+  const std::string_view body = std::string_view(bytes).substr(header.size);
+  if (header.encoding == PlyEncoding::big_endian) {
+    file.format = "PLY binary BE";
+    PlyScan(path, header, BinaryBody<true>(path, body, header.size), bytes, file).run();
+  } else {
+    file.format = "PLY binary LE";
+    if (!take_plain_ply(header, bytes, file))
+      PlyScan(path, header, BinaryBody<false>(path, body, header.size), bytes, file).run();
   }
   return file;
 }

@@ -26,6 +26,7 @@ class TextCursor {
   /// The text is a file's, block by block; skip_to_token() moves from one to the next.
   TextCursor(const std::string& path, TextBlocks& blocks, char comment) : TextCursor(path, "", comment) {
     blocks_ = &blocks;
+    next_block();
   }
 
   const char* position() const { return at_; }
