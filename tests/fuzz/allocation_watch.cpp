@@ -1,27 +1,42 @@
 #include "fuzz/allocation_watch.h"
 
+#include <malloc.h>
+
 #include <algorithm>
 #include <atomic>
 #include <cstdlib>
 #include <new>
 
 namespace {
-std::atomic<std::size_t> largest = 0;  // NOLINT: operator new has nowhere else to tell it
+// NOLINTBEGIN: operator new has nowhere else to tell it
+std::atomic<std::size_t> largest = 0, live = 0, live_at_reset = 0, peak = 0;
+// NOLINTEND
+
+void raise(std::atomic<std::size_t>& to, std::size_t value) {
+  std::size_t known = to;
+  while (value > known && !to.compare_exchange_weak(known, value)) {
+  }
 }
+void release(void* p) {
+  live -= malloc_usable_size(p);
+  std::free(p);  // NOLINT
+}
+}  // namespace
 
 // The library is linked statically, so its allocations come here too.
 void* operator new(std::size_t size) {
-  std::size_t known = largest;
-  while (size > known && !largest.compare_exchange_weak(known, size)) {
+  raise(largest, size);
+  if (void* p = std::malloc(size)) {  // NOLINT
+    raise(peak, live += malloc_usable_size(p));
+    return p;
   }
-  if (void* p = std::malloc(size)) return p;  // NOLINT
   throw std::bad_alloc();
 }
 void operator delete(void* p) noexcept {
-  std::free(p);  // NOLINT
+  release(p);
 }
 void operator delete(void* p, std::size_t) noexcept {
-  std::free(p);  // NOLINT
+  release(p);
 }
 
 namespace lambake {
@@ -31,6 +46,13 @@ std::size_t largest_allocation() {
 }
 void reset_largest_allocation() {
   largest = 0;
+}
+
+std::size_t peak_of_allocations() {
+  return peak - live_at_reset;
+}
+void reset_peak_of_allocations() {
+  live_at_reset = peak = live.load();
 }
 
 }  // namespace lambake

@@ -8,4 +8,8 @@ namespace lambake {
 std::size_t largest_allocation();
 void reset_largest_allocation();
 
+/// The most bytes that were allocated at a time since the last reset, beyond those that were then.
+std::size_t peak_of_allocations();
+void reset_peak_of_allocations();
+
 }  // namespace lambake

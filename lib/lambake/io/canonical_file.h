@@ -1,11 +1,9 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "lambake/core/color.h"
@@ -14,16 +12,15 @@
 
 namespace lambake {
 
-/// A mesh file after the strict scan: the same mesh in the form of its format that OpenMesh's reader cannot
-/// get wrong (`bytes`), and beside it what that reader would lose or round.
+/// A mesh file after the strict scan: the same mesh as a file that OpenMesh's reader cannot get wrong
+/// (`bytes`), and beside it what that reader would lose or round.
 ///
 /// The scan has checked every number, count and index against the file. Vertices whose corners differ are
 /// split already: `bytes` holds the V vertices of the file, then the copies. Faces with fewer than three
 /// corners are not in it.
 struct CanonicalFile {
-  std::string format;     ///< "PLY ascii", "OBJ", …
-  std::string extension;  ///< Which of OpenMesh's readers takes `bytes`.
-  bool is_binary = true;  ///< What that reader is told.
+  std::string format;  ///< "PLY ascii", "OBJ", …
+  bool is_om = false;  ///< OpenMesh's reader of OM takes `bytes`, not that of PLY.
   std::string bytes;
   std::size_t begin = 0;       ///< Where in `bytes` it begins.
   std::size_t n_vertices = 0;  ///< V, as the file counts them.
@@ -32,19 +29,7 @@ struct CanonicalFile {
   bool has_texcoords = false;  ///< A texture coordinate of each vertex is in `bytes`; origin lower left.
 
   std::vector<std::uint32_t> copied_vertices;  ///< C: the file's vertex of each copy.
-  /// Copies that only stand in for another vertex or copy in a face that names it twice, and which;
-  /// ascending.
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> stand_ins;
   std::vector<std::uint32_t> face_indices;  ///< The file's face of each face in `bytes`, or none: identity.
-  /// Positions that text cannot give to the reader: vertex (< V) and value.
-  std::vector<std::pair<std::uint32_t, glm::vec3>> non_finite_positions;
-
-  /// Facets of STL that are not in `bytes`, by their index in the file.
-  struct Facet {
-    std::uint32_t index;
-    std::array<glm::vec3, 3> corners;
-  };
-  std::vector<Facet> loose_facets;
 
   std::vector<LinearRgb> colors;     ///< V + C or none.
   std::vector<float> opacities;      ///< V + C or none.
@@ -57,12 +42,11 @@ struct CanonicalFile {
   Findings findings;
 };
 
-/// Strict scans, one for each format. `text` is the whole file, `path` names it in messages and says where
-/// the files lie that it names. @throws IoError.
-CanonicalFile scan_ply(const std::string& path, std::string&& text);
-CanonicalFile scan_obj(const std::string& path, std::string&& text);
-CanonicalFile scan_stl(const std::string& path, std::string&& text);
-CanonicalFile scan_off(const std::string& path, std::string&& text);
-CanonicalFile scan_om(const std::string& path, std::string&& bytes);
+/// Strict scans of a file, one for each format. @throws IoError.
+CanonicalFile scan_ply(const std::string& path);
+CanonicalFile scan_obj(const std::string& path);
+CanonicalFile scan_stl(const std::string& path);
+CanonicalFile scan_off(const std::string& path);
+CanonicalFile scan_om(const std::string& path);
 
 }  // namespace lambake

@@ -33,7 +33,7 @@ std::uint32_t CornerAttributes::vertex_for(std::uint32_t vertex, const glm::vec2
 }
 
 void CornerAttributes::finish() {
-  file_.copied_vertices = splitter_.copies();
+  file_.copied_vertices = splitter_.take_copies();
   extend_to_copies(file_);
 }
 

@@ -3,7 +3,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <unordered_map>
 #include <vector>
 
 #include "lambake/core/color.h"
@@ -21,14 +20,17 @@ void decode_file_colors(std::vector<LinearRgb>& colors, Findings& findings);
 class ValueNumbers {
  public:
   std::uint32_t number_of(float a, float b, float c);
-  std::size_t size() const { return numbers_.size(); }
+  std::size_t size() const { return values_.size(); }
 
  private:
   using Bits = std::array<std::uint32_t, 3>;
-  struct Hash {
-    std::size_t operator()(const Bits& bits) const;
-  };
-  std::unordered_map<Bits, std::uint32_t, Hash> numbers_;
+  /// Where the number of a value stands in `slots_`, or is to stand.
+  std::size_t slot_of(const Bits& bits) const;
+  void grow();
+
+  std::vector<Bits> values_;          // By their number.
+  std::vector<std::uint32_t> slots_;  // A power of two, at most three quarters taken.
+  int shift_ = 64;                    // 64 - the logarithm of their number.
 };
 
 }  // namespace lambake

@@ -1,51 +1,69 @@
 #include "lambake/io/input_file.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
+#include <utility>
 
 #include "lambake/core/error.h"
 
 namespace lambake {
 
-namespace {
-
-std::string read(const std::string& path, bool may_be_pipe) {
+InputFile::InputFile(const std::string& path, bool may_be_pipe) : path_(path) {
   std::error_code error;
   const std::filesystem::file_status status = std::filesystem::status(path, error);
   if (std::filesystem::is_directory(status)) throw IoError(path, "expected a file, found a folder");
   if (!std::filesystem::exists(status)) throw IoError(path, "expected a file, found none");
-  const bool is_regular = std::filesystem::is_regular_file(status);
-  if (!is_regular && !(may_be_pipe && std::filesystem::is_fifo(status)))
+  is_pipe_ = may_be_pipe && std::filesystem::is_fifo(status);
+  if (!is_pipe_ && !std::filesystem::is_regular_file(status))
     throw IoError(path, "expected a file, found a device or pipe");
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream) throw IoError(path, std::string("cannot be opened: ") + std::strerror(errno));
-  std::string bytes;
-  if (is_regular) {
-    const std::uintmax_t size = std::filesystem::file_size(path, error);
-    if (error) throw IoError(path, "cannot be read: " + error.message());
-    bytes.resize(size);
-    stream.read(bytes.data(), static_cast<std::streamsize>(size));
-    bytes.resize(static_cast<std::size_t>(stream.gcount()));
-    if (stream.bad()) throw IoError(path, "cannot be read");
-  } else {  // A pipe has no size.
+  stream_.open(path, std::ios::binary);
+  if (!stream_) throw IoError(path, std::string("cannot be opened: ") + std::strerror(errno));
+  if (is_pipe_) {  // It has no size.
     char block[65536];
-    while (stream.read(block, sizeof block) || stream.gcount() > 0)
-      bytes.append(block, static_cast<std::size_t>(stream.gcount()));
+    while (stream_.read(block, sizeof block) || stream_.gcount() > 0)
+      piped_.append(block, static_cast<std::size_t>(stream_.gcount()));
+    size_ = piped_.size();
+  } else {
+    size_ = std::filesystem::file_size(path, error);
+    if (error) throw IoError(path, "cannot be read: " + error.message());
   }
-  if (bytes.empty()) throw IoError(path, "expected content, found no bytes");
+  if (size_ == 0) throw IoError(path, "expected content, found no bytes");
+}
+
+std::size_t InputFile::read(char* to, std::size_t n) {
+  if (is_pipe_) {
+    n = std::min(n, piped_.size() - at_);
+    std::memcpy(to, piped_.data() + at_, n);
+    at_ += n;
+    return n;
+  }
+  stream_.read(to, static_cast<std::streamsize>(n));
+  if (stream_.bad()) throw IoError(path_, "cannot be read");
+  return static_cast<std::size_t>(stream_.gcount());
+}
+
+void InputFile::rewind() {
+  at_ = 0;
+  stream_.clear();
+  stream_.seekg(0);
+}
+
+std::string InputFile::take() {
+  if (is_pipe_) return std::move(piped_);
+  std::string bytes(size_, '\0');
+  bytes.resize(read(bytes.data(), bytes.size()));
+  if (bytes.empty()) throw IoError(path_, "expected content, found no bytes");
   return bytes;
 }
 
-}  // namespace
-
 std::string read_bytes(const std::string& path) {
-  return read(path, true);
+  return InputFile(path).take();
 }
 
 std::string read_named_bytes(const std::string& path) {
-  return read(path, false);
+  return InputFile(path, false).take();
 }
 
 }  // namespace lambake

@@ -3,17 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <bit>
 #include <cmath>
-#include <map>
 #include <numeric>
 
 #include "lambake/core/error.h"
 #include "lambake/geometry/defects.h"
 #include "lambake/io/canonical_file.h"
 #include "lambake/io/file_extension.h"
-#include "lambake/io/input_file.h"
 #include "lambake/io/openmesh_read.h"
 
 namespace lambake {
@@ -30,70 +26,7 @@ CanonicalFile scan(const std::string& path) {
   if (scan_as == nullptr)
     throw IoError(path,
                   fmt::format("expected the extension ply, obj, off, stl or om, found \"{}\"", extension));
-  return scan_as(path, read_bytes(path));
-}
-
-/// Puts the facets of STL that OpenMesh's reader did not get in their places, their corners welded to exactly
-/// equal positions.
-void insert_loose_facets(const std::vector<CanonicalFile::Facet>& facets, Mesh& mesh) {
-  if (facets.empty()) return;
-  using Bits = std::array<std::uint32_t, 3>;
-  const auto bits_of = [](const glm::vec3& p) {  // −0 equals +0.
-    return Bits{std::bit_cast<std::uint32_t>(p.x + 0.0f), std::bit_cast<std::uint32_t>(p.y + 0.0f),
-                std::bit_cast<std::uint32_t>(p.z + 0.0f)};
-  };
-  std::map<Bits, std::uint32_t> vertices;
-  for (std::uint32_t v = 0; v < mesh.n_vertices(); ++v) vertices.emplace(bits_of(mesh.positions[v]), v);
-  std::vector<glm::uvec3> triangles;
-  triangles.reserve(mesh.n_triangles() + facets.size());
-  std::size_t n_taken = 0;
-  for (const CanonicalFile::Facet& facet : facets) {
-    for (; triangles.size() < facet.index; ++n_taken) triangles.push_back(mesh.triangles[n_taken]);
-    glm::uvec3 t;
-    for (int c = 0; c < 3; ++c) {
-      const glm::vec3& p = facet.corners[static_cast<std::size_t>(c)];
-      const auto [known, is_new] =
-          vertices.try_emplace(bits_of(p), static_cast<std::uint32_t>(mesh.n_vertices()));
-      if (is_new) mesh.positions.push_back(p);
-      t[c] = known->second;
-    }
-    triangles.push_back(t);
-  }
-  triangles.insert(triangles.end(), mesh.triangles.begin() + static_cast<std::ptrdiff_t>(n_taken),
-                   mesh.triangles.end());
-  mesh.triangles = std::move(triangles);
-}
-
-/// Makes faces name the vertices that `stand_ins` stand for, and takes these out.
-void merge_stand_ins(const std::vector<std::pair<std::uint32_t, std::uint32_t>>& stand_ins, Mesh& mesh) {
-  if (stand_ins.empty()) return;
-  const std::uint32_t first = stand_ins.front().first;
-  std::vector<std::uint32_t> new_index(mesh.n_vertices() - first);
-  std::vector<std::uint32_t> kept;
-  auto next = stand_ins.begin();
-  for (std::uint32_t v = first; v < mesh.n_vertices(); ++v) {
-    if (next != stand_ins.end() && next->first == v) {
-      new_index[v - first] = next->second < first ? next->second : new_index[next->second - first];
-      ++next;
-    } else {
-      new_index[v - first] = first + static_cast<std::uint32_t>(kept.size());
-      kept.push_back(v);
-    }
-  }
-  const auto compact = [&](auto& values) {
-    if (values.empty()) return;
-    for (std::size_t i = 0; i < kept.size(); ++i) values[first + i] = values[kept[i]];
-    values.resize(first + kept.size());
-  };
-  compact(mesh.positions);
-  compact(mesh.normals);
-  compact(mesh.colors);
-  compact(mesh.opacities);
-  compact(mesh.texcoords[0]);
-  compact(mesh.source_vertices);
-  for (glm::uvec3& t : mesh.triangles)
-    for (int c = 0; c < 3; ++c)
-      if (t[c] >= first) t[c] = new_index[t[c] - first];
+  return scan_as(path);
 }
 
 /// Unit length; what has no direction becomes (0,0,0). Counted if not all are.
@@ -150,13 +83,6 @@ SceneFile read_mesh_file(const std::string& path) {
   mesh.triangles = std::move(arrays.triangles);
   mesh.source_faces = std::move(arrays.faces);
 
-  if (file.extension == "stl") {
-    insert_loose_facets(file.loose_facets, mesh);
-    arrays.n_faces += file.loose_facets.size();
-    file.n_vertices = mesh.n_vertices();
-    add_finding(result.findings, "welded_vertices", 3 * file.n_faces - file.n_vertices,
-                "corner[ was|s were] welded to another at exactly the same position");
-  }
   const std::size_t n_expected = file.n_vertices + file.copied_vertices.size();
   const std::size_t n_kept = file.face_indices.empty() ? file.n_faces : file.face_indices.size();
   if (mesh.n_vertices() != n_expected || arrays.n_faces != n_kept)
@@ -165,16 +91,12 @@ SceneFile read_mesh_file(const std::string& path) {
                               n_expected, n_kept, mesh.n_vertices(), arrays.n_faces));
   result.n_vertices = file.n_vertices;
 
-  for (const auto& [v, position] : file.non_finite_positions) mesh.positions[v] = position;
   if (!file.copied_vertices.empty()) {
     mesh.source_vertices.resize(file.n_vertices);
     std::iota(mesh.source_vertices.begin(), mesh.source_vertices.end(), 0U);
     mesh.source_vertices.insert(mesh.source_vertices.end(), file.copied_vertices.begin(),
                                 file.copied_vertices.end());
-    for (std::size_t v = file.n_vertices; v < n_expected; ++v)
-      mesh.positions[v] = mesh.positions[mesh.source_vertices[v]];
   }
-  merge_stand_ins(file.stand_ins, mesh);
   if (!file.face_indices.empty()) {
     if (mesh.source_faces.empty()) {
       mesh.source_faces = file.face_indices;

@@ -2,11 +2,8 @@
 
 #include <OpenMesh/Core/IO/IOManager.hh>
 #include <OpenMesh/Core/IO/importer/BaseImporter.hh>
-#include <OpenMesh/Core/IO/reader/OBJReader.hh>
-#include <OpenMesh/Core/IO/reader/OFFReader.hh>
 #include <OpenMesh/Core/IO/reader/OMReader.hh>
 #include <OpenMesh/Core/IO/reader/PLYReader.hh>
-#include <OpenMesh/Core/IO/reader/STLReader.hh>
 #include <OpenMesh/Core/Mesh/BaseKernel.hh>
 #include <OpenMesh/Core/System/omstream.hh>
 #include <algorithm>
@@ -28,7 +25,7 @@ using namespace OpenMesh;  // NOLINT: every signature below is OpenMesh's.
 /// Takes what OpenMesh's readers deliver into plain arrays.
 class ArrayImporter : public IO::BaseImporter {
  public:
-  ArrayImporter(const CanonicalFile& file, OpenMeshArrays& arrays) : file_(file), arrays_(arrays) {
+  ArrayImporter(const CanonicalFile& file, OpenMeshArrays& arrays) : arrays_(arrays) {
     const std::size_t n = file.n_vertices + file.copied_vertices.size();
     arrays_.positions.reserve(n);
     if (file.has_normals) arrays_.normals.resize(n, glm::vec3(0));
@@ -61,7 +58,7 @@ class ArrayImporter : public IO::BaseImporter {
       if (arrays_.faces.empty())
         for (std::uint32_t f = 0; f < face; ++f) arrays_.faces.push_back(f);
       polygon_.clear();
-      for (const VertexHandle v : corners) polygon_.push_back(stood_for(static_cast<std::uint32_t>(v.idx())));
+      for (const VertexHandle v : corners) polygon_.push_back(static_cast<std::uint32_t>(v.idx()));
       has_polygons_ = true;
       arrays_.n_odd_polygons += !triangulate_polygon(arrays_.positions, polygon_, arrays_.triangles);
     }
@@ -111,14 +108,6 @@ class ArrayImporter : public IO::BaseImporter {
  private:
   static std::size_t index(VertexHandle v) { return static_cast<std::size_t>(v.idx()); }
 
-  /// The vertex that a stand-in stands for, so that the triangulation sees that the polygon repeats it.
-  std::uint32_t stood_for(std::uint32_t v) const {
-    if (v < file_.n_vertices || file_.stand_ins.empty()) return v;
-    const auto found = std::lower_bound(file_.stand_ins.begin(), file_.stand_ins.end(), std::pair(v, 0U));
-    return found != file_.stand_ins.end() && found->first == v ? found->second : v;
-  }
-
-  const CanonicalFile& file_;
   OpenMeshArrays& arrays_;
   BaseKernel kernel_;
   std::vector<std::uint32_t> polygon_;
@@ -175,14 +164,6 @@ class Silence {
   std::vector<mostream*> silenced_;
 };
 
-IO::BaseReader& reader_of(const std::string& extension) {
-  if (extension == "ply") return IO::PLYReader();
-  if (extension == "obj") return IO::OBJReader();
-  if (extension == "off") return IO::OFFReader();
-  if (extension == "om") return IO::OMReader();
-  return IO::STLReader();
-}
-
 }  // namespace
 
 OpenMeshArrays read_with_openmesh(const std::string& path, const CanonicalFile& file) {
@@ -193,13 +174,10 @@ OpenMeshArrays read_with_openmesh(const std::string& path, const CanonicalFile& 
   ArrayImporter importer(file, arrays);
   MemoryBuffer buffer(std::string_view(file.bytes).substr(file.begin));
   std::istream stream(&buffer);
-  IO::Options options;
-  if (file.is_binary) options += IO::Options::Binary;
+  IO::Options options(IO::Options::Binary);
   if (file.has_normals) options += IO::Options::VertexNormal;
   if (file.has_texcoords) options += IO::Options::VertexTexCoord;
-  IO::BaseReader& reader = reader_of(file.extension);
-  // The OFF reader takes the kinds of attributes from the file that it was asked about last.
-  if (file.extension == "off") reader.can_u_read(path);
+  IO::BaseReader& reader = file.is_om ? static_cast<IO::BaseReader&>(IO::OMReader()) : IO::PLYReader();
   bool is_read = false;
   try {
     is_read = reader.read(stream, importer, options);

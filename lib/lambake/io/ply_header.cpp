@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "lambake/core/error.h"
-#include "lambake/io/text_cursor.h"
 
 namespace lambake {
 namespace {
@@ -60,9 +59,9 @@ std::size_t least_size(const PlyElement& element, PlyEncoding encoding) {
 
 }  // namespace
 
-PlyHeader read_ply_header(const std::string& path, std::string_view text) {
+PlyHeader read_ply_header(const std::string& path, TextCursor& cursor) {
   PlyHeader header;
-  TextCursor cursor(path, text, 0);
+  const std::size_t n_bytes = cursor.remaining();
   const std::string_view magic = cursor.token();
   if (magic != "ply" && magic != "PLY") cursor.fail("\"ply\"", magic);
   bool has_format = false;
@@ -115,8 +114,7 @@ PlyHeader read_ply_header(const std::string& path, std::string_view text) {
   if (const std::string_view extra = cursor.token(); !extra.empty())
     cursor.fail("the end of the line", extra);
   cursor.next_line();
-  header.size = text.size() - cursor.remaining();
-  header.n_lines = cursor.line() - 1;
+  header.size = n_bytes - cursor.remaining();
 
   for (const PlyElement& element : header.elements) {
     const std::size_t least = least_size(element, header.encoding);

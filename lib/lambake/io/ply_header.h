@@ -6,6 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include "lambake/io/text_cursor.h"
+
 namespace lambake {
 
 enum class PlyType { i8, u8, i16, u16, i32, u32, f32, f64 };
@@ -40,13 +42,13 @@ struct PlyHeader {
   std::vector<std::string> texture_files;  ///< Named by "comment TextureFile".
   bool has_linear_colors = false;          ///< "comment colours are linear", as lambake writes it.
   std::size_t size = 0;                    ///< Bytes up to the first of the body.
-  std::size_t n_lines = 0;
 };
 
 /// What lambake writes into a PLY whose float colours are linear.
 inline constexpr std::string_view ply_linear_colors_comment = "colours are linear";
 
-/// Reads the header and checks that the body can hold what it promises. @throws IoError.
-PlyHeader read_ply_header(const std::string& path, std::string_view text);
+/// Reads the header and checks that the body can hold what it promises.
+/// @param cursor  at the beginning of the file; left at the beginning of the body. @throws IoError.
+PlyHeader read_ply_header(const std::string& path, TextCursor& cursor);
 
 }  // namespace lambake

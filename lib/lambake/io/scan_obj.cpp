@@ -1,37 +1,43 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <optional>
+#include <span>
 
 #include "lambake/core/bounds.h"
+#include "lambake/core/error.h"
 #include "lambake/geometry/split_corners.h"
 #include "lambake/io/canonical_file.h"
-#include "lambake/io/canonical_text.h"
+#include "lambake/io/canonical_ply.h"
 #include "lambake/io/corner_attributes.h"
 #include "lambake/io/file_color.h"
+#include "lambake/io/input_file.h"
 #include "lambake/io/obj_materials.h"
+#include "lambake/io/text_blocks.h"
 #include "lambake/io/text_cursor.h"
 
 namespace lambake {
 namespace {
 
+constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+
 /// Joins lines that end with a backslash to the next, in place.
-void join_continued_lines(std::string& text) {
-  for (std::size_t i = text.find('\\'); i != std::string::npos; i = text.find('\\', i + 1)) {
-    const std::size_t n_newline = text.compare(i + 1, 2, "\r\n") == 0                                   ? 2
-                                  : i + 1 < text.size() && (text[i + 1] == '\n' || text[i + 1] == '\r') ? 1
-                                                                                                        : 0;
-    if (n_newline > 0) std::fill_n(text.begin() + static_cast<std::ptrdiff_t>(i), n_newline + 1, ' ');
+void join_continued_lines(std::span<char> text) {
+  for (auto at = text.begin(); (at = std::find(at, text.end(), '\\')) != text.end();) {
+    const auto next = at + 1;
+    const bool is_cr_lf = text.end() - next >= 2 && next[0] == '\r' && next[1] == '\n';
+    const bool is_newline = next != text.end() && (*next == '\n' || *next == '\r');
+    at = is_cr_lf || is_newline ? std::fill_n(at, is_cr_lf ? 3 : 2, ' ') : next;
   }
 }
 
 class ObjScan {
  public:
-  ObjScan(const std::string& path, std::string& text, CanonicalFile& file)
-      : path_(path), text_(text), out_(text), file_(file), materials_(path, file), kept_(file) {}
+  ObjScan(const std::string& path, CanonicalFile& file)
+      : path_(path), input_(path), blocks_(input_), file_(file), materials_(path, file), kept_(file) {}
 
   void run() {
     scan_attributes();
@@ -46,12 +52,26 @@ class ObjScan {
     std::uint32_t vertex, texcoord, normal;
   };
 
-  /// First pass: v, vt, vn, vc.
+  /// Calls `visit(cursor, keyword)` for each line of the file that is not empty, the cursor behind its
+  /// keyword.
+  template <typename Visit>
+  void for_each_line(Visit&& visit) {
+    constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
+    blocks_.rewind();
+    std::size_t line = 1;
+    for (std::span<char> block; !(block = blocks_.next()).empty();) {
+      join_continued_lines(block);
+      std::string_view text(block.data(), block.size());
+      if (line == 1 && text.starts_with(byte_order_mark)) text.remove_prefix(byte_order_mark.size());
+      TextCursor cursor(path_, text, '#', line);
+      for (; cursor.skip_to_token(); cursor.next_line()) visit(cursor, cursor.token());
+      line = cursor.line();
+    }
+  }
+
+  /// First pass: v, vt, vn, vc. Faces may name what comes behind them.
   void scan_attributes() {
-    TextCursor cursor(path_, text_, '#');
-    for (; cursor.skip_to_token(); cursor.next_line()) {
-      const std::string_view keyword = cursor.token();
-      line_begin_ = static_cast<std::size_t>(keyword.data() - text_.data());
+    for_each_line([this](TextCursor& cursor, std::string_view keyword) {
       if (keyword == "v") {
         scan_vertex(cursor);
       } else if (keyword == "vt") {
@@ -60,23 +80,18 @@ class ObjScan {
         scan_normal(cursor);
       } else if (keyword == "vc") {
         vc_colors_.push_back(scan_color(cursor));
+      } else if (keyword == "f" || keyword == "fo") {
+        ++n_face_lines_;
+      } else if (keyword == "usemtl") {
+        has_usemtl_ = true;
       }
-    }
+    });
   }
 
   void scan_vertex(TextCursor& cursor) {
-    cursor.at_line_end();  // Moves to the first number.
-    const char* const begin = cursor.position();
     glm::vec3 p;
     for (int c = 0; c < 3; ++c) p[c] = cursor.number("three numbers after \"v\"");
-    line_ = "v ";
-    if (is_finite(p)) {
-      line_.append(begin, cursor.position());
-    } else {
-      line_ += "0 0 0";
-      file_.non_finite_positions.emplace_back(static_cast<std::uint32_t>(n_vertices_), p);
-    }
-    vertex_lines_.push_back(finish_line());
+    vertex_rows_.append(reinterpret_cast<const char*>(&p), sizeof p);
     ++n_vertices_;
     if (cursor.at_line_end()) {
       if (has_colors_) file_.colors.push_back({1, 1, 1}), ++n_uncolored_;
@@ -111,46 +126,25 @@ class ObjScan {
     t.x = cursor.number("two numbers after \"vt\"");
     if (!cursor.at_line_end()) t.y = cursor.number("two numbers after \"vt\"");
     if (!std::isfinite(t.x) || !std::isfinite(t.y)) t = glm::vec2(0), ++n_odd_attributes_;
-    const std::size_t n_before = texcoord_values_.size();
-    texcoord_numbers_.push_back(texcoord_values_.number_of(t.x, t.y, 0));
-    if (texcoord_values_.size() > n_before) append_values("vt", {t.x, t.y});
+    texcoords_.push_back(t);
   }
 
   void scan_normal(TextCursor& cursor) {
     glm::vec3 n;
     for (int c = 0; c < 3; ++c) n[c] = cursor.number("three numbers after \"vn\"");
     if (!is_finite(n)) n = glm::vec3(0), ++n_odd_attributes_;
-    const std::size_t n_before = normal_values_.size();
-    normal_numbers_.push_back(normal_values_.number_of(n.x, n.y, n.z));
-    if (normal_values_.size() > n_before) append_values("vn", {n.x, n.y, n.z});
-  }
-
-  /// A line of numbers, each the shortest text that gives the same float again.
-  void append_values(const char* keyword, std::initializer_list<float> values) {
-    line_ = keyword;
-    for (const float value : values) {
-      char digits[32];
-      digits[0] = ' ';
-      line_.append(digits, std::to_chars(digits + 1, digits + sizeof digits, value).ptr);
-    }
-    finish_line();
-  }
-
-  /// Appends `line_` to the canonical text; returns where it begins there.
-  std::size_t finish_line() {
-    line_.push_back('\n');
-    return out_.append(line_, line_begin_);
+    normals_.push_back(n);
   }
 
   /// Second pass: f, usemtl, mtllib; the attributes before each line are counted for relative indices.
   void scan_faces() {
-    last_face_.assign(n_vertices_, 0);
+    if (!texcoords_.empty() || !normals_.empty() || has_usemtl_) splitter_.emplace(n_vertices_);
+    if (!texcoords_.empty()) file_.texcoords.assign(n_vertices_, glm::vec2(0));
+    if (!normals_.empty()) file_.normals.assign(n_vertices_, glm::vec3(0));
+    face_rows_.reserve(16 * n_face_lines_);  // Of triangles.
     std::size_t n_unknown = 0;
     std::uint32_t material = 0;
-    TextCursor cursor(path_, text_, '#');
-    for (; cursor.skip_to_token(); cursor.next_line()) {
-      const std::string_view keyword = cursor.token();
-      line_begin_ = static_cast<std::size_t>(keyword.data() - text_.data());
+    for_each_line([&](TextCursor& cursor, std::string_view keyword) {
       if (keyword == "v") {
         ++n_seen_[0];
       } else if (keyword == "vt") {
@@ -170,7 +164,7 @@ class ObjScan {
         constexpr std::string_view ignored[] = {"vc", "vp", "g", "o", "s", "mg", "lod", "usemap", "maplib"};
         n_unknown += std::find(std::begin(ignored), std::end(ignored), keyword) == std::end(ignored);
       }
-    }
+    });
     add_finding(file_.findings, "unknown_lines", n_unknown,
                 "line[ has|s have] a keyword that is not read; left out");
     add_finding(file_.findings, "lines_and_points", n_lines_and_points_,
@@ -189,63 +183,56 @@ class ObjScan {
   }
 
   void scan_face(TextCursor& cursor, std::uint32_t material) {
-    constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
-    const auto face_number = static_cast<std::uint32_t>(++file_.n_faces);
     corners_.clear();
     for (; !cursor.at_line_end();) {
       Corner corner{scan_index(cursor, 0, n_vertices_), none, none};
       if (cursor.accept('/')) {
         if (!cursor.at_separator() && !cursor.accept('/')) {
-          corner.texcoord = texcoord_numbers_[scan_index(cursor, 1, texcoord_numbers_.size())];
+          corner.texcoord = scan_index(cursor, 1, texcoords_.size());
           if (cursor.accept('/') && !cursor.at_separator())
-            corner.normal = normal_numbers_[scan_index(cursor, 2, normal_numbers_.size())];
+            corner.normal = scan_index(cursor, 2, normals_.size());
         } else if (!cursor.at_separator()) {
-          corner.normal = normal_numbers_[scan_index(cursor, 2, normal_numbers_.size())];
+          corner.normal = scan_index(cursor, 2, normals_.size());
         }
       }
       if (!cursor.at_separator()) cursor.fail("v, v/vt, v//vn or v/vt/vn", cursor.token());
       corners_.push_back(corner);
     }
-    set_material(face_number - 1, material);
+    set_material(static_cast<std::uint32_t>(file_.n_faces++), material);
     if (!kept_.keep(corners_.size())) return;
-    line_.assign(1, 'f');
+    ids_.clear();
     for (const Corner& corner : corners_) {
-      const std::uint32_t id = id_of(corner, material);
-      append_corner(unrepeated(id, corner.vertex, face_number), corner);
+      ids_.push_back(id_of(corner, material));
       n_without_normal_ += corner.normal == none;
       n_without_texcoord_ += corner.texcoord == none;
-      ++n_corners_;
     }
-    finish_line();
+    n_corners_ += corners_.size();
+    append_face_row(face_rows_, ids_);
   }
 
-  /// The vertex or copy of a corner. As long as no corner has more than a vertex, nothing is to be told
-  /// apart.
+  /// The vertex or copy of a corner; gives it the attributes of the corner.
   std::uint32_t id_of(const Corner& corner, std::uint32_t material) {
-    constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
-    if (!splitter_ && corner.texcoord == none && corner.normal == none && material == 0) return corner.vertex;
-    return splitter().vertex_for(corner.vertex, {corner.texcoord, corner.normal, material});
+    if (!splitter_) return corner.vertex;
+    using Key = CornerSplitter::Key;
+    const std::uint32_t id = splitter_->vertex_for(
+        corner.vertex, Key{corner.texcoord, corner.normal, material}, [this](const Key& a, const Key& b) {
+          return a[2] == b[2] && is_same(texcoords_, a[0], b[0]) && is_same(normals_, a[1], b[1]);
+        });
+    set(file_.texcoords, id, texcoords_, corner.texcoord);
+    set(file_.normals, id, normals_, corner.normal);
+    return id;
   }
-  CornerSplitter& splitter() {
-    constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
-    if (!splitter_) {
-      splitter_.emplace(n_vertices_);
-      for (std::uint32_t v = 0; v < n_vertices_; ++v)
-        if (last_face_[v] != 0) splitter_->vertex_for(v, {none, none, 0});
-    }
-    return *splitter_;
+  /// True for two indices of equal values, bit by bit.
+  template <typename T>
+  static bool is_same(const std::vector<T>& values, std::uint32_t i, std::uint32_t k) {
+    return i == k || (i != none && k != none && std::memcmp(&values[i], &values[k], sizeof(T)) == 0);
   }
-
-  /// OpenMesh's reader drops a corner whose vertex the face has already: a copy stands in for it.
-  std::uint32_t unrepeated(std::uint32_t id, std::uint32_t vertex, std::uint32_t face_number) {
-    if (splitter_) last_face_.resize(n_vertices_ + splitter_->copies().size(), 0);
-    if (last_face_[id] != face_number) {
-      last_face_[id] = face_number;
-      return id;
-    }
-    const std::uint32_t stand_in = splitter().add_copy(vertex);
-    file_.stand_ins.emplace_back(stand_in, id);
-    return stand_in;
+  template <typename T>
+  static void set(std::vector<T>& of_vertices, std::uint32_t id, const std::vector<T>& of_file,
+                  std::uint32_t index) {
+    if (of_file.empty()) return;
+    if (id == of_vertices.size()) of_vertices.emplace_back(0);
+    if (index != none) of_vertices[id] = of_file[index];
   }
 
   void set_material(std::uint32_t face, std::uint32_t material) {
@@ -257,39 +244,23 @@ class ObjScan {
     file_.face_materials.push_back(material);
   }
 
-  void append_integer(std::uint32_t value) {
-    char digits[16];
-    line_.append(digits, std::to_chars(digits, digits + sizeof digits, value).ptr);
-  }
-
-  void append_corner(std::uint32_t id, const Corner& corner) {
-    constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
-    line_.push_back(' ');
-    append_integer(id + 1);
-    if (corner.texcoord == none && corner.normal == none) return;
-    line_.push_back('/');
-    if (corner.texcoord != none) append_integer(corner.texcoord + 1);
-    if (corner.normal == none) return;
-    line_.push_back('/');
-    append_integer(corner.normal + 1);
+  template <typename T>
+  static void free(std::vector<T>& values) {
+    std::vector<T>().swap(values);  // An assignment would keep the memory.
   }
 
   void finish() {
     materials_.finish();
     file_.n_vertices = n_vertices_;
     kept_.finish(path_);
-    if (splitter_) file_.copied_vertices = splitter_->copies();
-    for (const std::uint32_t v : file_.copied_vertices) {
-      line_ = out_.line_at(vertex_lines_[v]);
-      out_.append(line_, CanonicalText::nowhere);
-    }
-    file_.bytes = out_.take();
-    file_.has_normals = n_without_normal_ == 0;
-    file_.has_texcoords = n_without_texcoord_ < n_corners_;
-    if (!file_.has_normals && n_without_normal_ < n_corners_)
+    if (splitter_) file_.copied_vertices = splitter_->take_copies();
+    const bool has_normals = n_without_normal_ == 0, has_texcoords = n_without_texcoord_ < n_corners_;
+    if (!has_normals) free(file_.normals);
+    if (!has_texcoords) free(file_.texcoords);
+    if (!has_normals && n_without_normal_ < n_corners_)
       add_finding(file_.findings, "corners_without_normal", n_without_normal_,
                   "corner[ has|s have] no normal, so the file's normals are not used");
-    if (file_.has_texcoords)
+    if (has_texcoords)
       add_finding(file_.findings, "corners_without_texcoord", n_without_texcoord_,
                   "corner[ has|s have] no texture coordinate; (0,1) instead");
     add_finding(file_.findings, "non_finite_attributes", n_odd_attributes_,
@@ -303,40 +274,39 @@ class ObjScan {
                 "vert[ex has|ices have] no colour; white instead");
     decode_file_colors(file_.colors, file_.findings);
     extend_to_copies(file_);
+
+    splitter_.reset();
+    free(texcoords_);
+    free(normals_);
+    write_canonical_ply(std::move(vertex_rows_), std::move(face_rows_), kept_.n_kept(), file_);
   }
 
   const std::string& path_;
-  std::string_view text_;
-  CanonicalText out_;
-  std::string line_;            // Of the canonical text, in the making.
-  std::size_t line_begin_ = 0;  // Of the line of the file.
+  InputFile input_;
+  TextBlocks blocks_;
   CanonicalFile& file_;
   ObjMaterials materials_;
-  std::optional<CornerSplitter> splitter_;
+  std::optional<CornerSplitter> splitter_;  // If corners can have more than a vertex.
   KeptFaces kept_;
-  ValueNumbers texcoord_values_, normal_values_;
-  std::vector<std::uint32_t> texcoord_numbers_, normal_numbers_;  // By index in the file.
-  std::vector<std::size_t> vertex_lines_;  // V: where its line is in the canonical text.
-  std::vector<std::uint32_t> last_face_;   // By vertex or copy: number of the face that named it last.
+  std::string vertex_rows_, face_rows_;
+  std::vector<glm::vec2> texcoords_;  // By index in the file, as are the normals.
+  std::vector<glm::vec3> normals_;
   std::vector<LinearRgb> vc_colors_;
-  std::vector<Corner> corners_;
+  std::vector<Corner> corners_;     // Of one face.
+  std::vector<std::uint32_t> ids_;  // Of them.
   std::int64_t n_seen_[3] = {0, 0, 0};
-  std::size_t n_vertices_ = 0, n_uncolored_ = 0, n_odd_attributes_ = 0, n_lines_and_points_ = 0;
+  std::size_t n_vertices_ = 0, n_uncolored_ = 0, n_odd_attributes_ = 0, n_face_lines_ = 0,
+              n_lines_and_points_ = 0;
   std::size_t n_corners_ = 0, n_without_normal_ = 0, n_without_texcoord_ = 0;
-  bool has_colors_ = false, has_materials_ = false;
+  bool has_colors_ = false, has_materials_ = false, has_usemtl_ = false;
 };
 
 }  // namespace
 
-CanonicalFile scan_obj(const std::string& path, std::string&& text) {
-  if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);  // A byte order mark.
-  join_continued_lines(text);
-  if (!text.ends_with('\n')) text.push_back('\n');
+CanonicalFile scan_obj(const std::string& path) {
   CanonicalFile file;
   file.format = "OBJ";
-  file.extension = "obj";
-  file.is_binary = false;
-  ObjScan(path, text, file).run();
+  ObjScan(path, file).run();
   return file;
 }
 

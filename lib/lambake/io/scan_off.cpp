@@ -1,12 +1,14 @@
 #include <fmt/format.h>
 
-#include <charconv>
+#include <cstring>
 #include <limits>
 
-#include "lambake/core/bounds.h"
 #include "lambake/io/canonical_file.h"
+#include "lambake/io/canonical_ply.h"
 #include "lambake/io/corner_attributes.h"
 #include "lambake/io/file_color.h"
+#include "lambake/io/input_file.h"
+#include "lambake/io/text_blocks.h"
 #include "lambake/io/text_cursor.h"
 
 namespace lambake {
@@ -36,7 +38,7 @@ OffHeader scan_header(TextCursor& cursor) {
 /// Colours of the vertices or of the faces: whole numbers to 255, or floats to 1, the same for all of a file.
 class OffColors {
  public:
-  bool empty() const { return !has_any_; }
+  bool empty() const { return colors_.empty(); }
   /// Reads what is left on the line: nothing, an index into a colour map (not read), r g b, or r g b alpha.
   void scan(TextCursor& cursor) {
     float values[4];
@@ -49,20 +51,23 @@ class OffColors {
       is_float_ = is_float_ || token.find_first_of(".eEnN") != std::string_view::npos;
     }
     if (n >= 3) {
+      colors_.resize(is_given_.size());  // Most files have none at all.
       colors_.push_back({values[0], values[1], values[2]});
-      has_any_ = true;
     } else {
       n_map_indices_ += n > 0;
       ++n_missing_;
-      colors_.push_back({1, 1, 1});
-      missing_.push_back(colors_.size() - 1);
     }
+    is_given_.push_back(n >= 3);
   }
   /// Linear colours, one for each call of scan.
   std::vector<LinearRgb> decode(const char* what, Findings& findings) {
-    if (!is_float_)
-      for (LinearRgb& c : colors_) c = c * (1.0f / 255.0f);
-    for (const std::size_t i : missing_) colors_[i] = {1, 1, 1};
+    colors_.resize(is_given_.size());
+    for (std::size_t i = 0; i < colors_.size(); ++i) {
+      if (!is_given_[i])
+        colors_[i] = {1, 1, 1};
+      else if (!is_float_)
+        colors_[i] = colors_[i] * (1.0f / 255.0f);
+    }
     decode_file_colors(colors_, findings);
     add_finding(findings, "color_map_indices", n_map_indices_,
                 "colour[ is a number|s are numbers] in a colour map; white instead");
@@ -73,20 +78,18 @@ class OffColors {
 
  private:
   std::vector<LinearRgb> colors_;
-  std::vector<std::size_t> missing_;
+  std::vector<bool> is_given_;
   std::size_t n_map_indices_ = 0, n_missing_ = 0;
-  bool is_float_ = false, has_any_ = false;
+  bool is_float_ = false;
 };
 
 class OffScan {
  public:
-  OffScan(const std::string& path, std::string_view text, CanonicalFile& file)
-      : path_(path), text_(text), cursor_(path, text, '#'), file_(file) {}
+  OffScan(const std::string& path, CanonicalFile& file)
+      : path_(path), input_(path), blocks_(input_), cursor_(path, blocks_, '#'), file_(file), kept_(file) {}
 
   void run() {
     header_ = scan_header(cursor_);
-    // OpenMesh's reader takes the kinds of attributes from the first line of the file alone.
-    reader_knows_header_ = cursor_.line() == 1 && text_[0] != ' ' && text_[0] != '\t' && text_[0] != '#';
     scan_counts();
     scan_vertices();
     scan_faces();
@@ -122,25 +125,12 @@ class OffScan {
   }
 
   void scan_vertices() {
-    vertex_lines_.reserve(file_.n_vertices + 1);
+    vertex_rows_.reserve(12 * file_.n_vertices);
     for (std::size_t i = 0; i < file_.n_vertices; ++i) {
       if (!cursor_.skip_to_token()) cursor_.fail(fmt::format("vertex {} of {}", i + 1, file_.n_vertices), {});
-      vertex_lines_.push_back(body_.size());
-      const char* const begin = cursor_.position();
-      const std::size_t line = cursor_.line();
       const glm::vec3 p = scan_vector("three coordinates");
-      if (!is_finite(p)) {
-        file_.non_finite_positions.emplace_back(static_cast<std::uint32_t>(i), p);
-        body_ += "0 0 0";
-      } else if (line == cursor_.line()) {
-        body_.append(begin, cursor_.position());
-      } else {  // There may be a comment between its numbers.
-        append_numbers({p.x, p.y, p.z});
-      }
-      if (header_.has_normals) {
-        file_.normals.push_back(scan_vector("three numbers of a normal"));
-        if (reader_knows_header_) body_ += " 0 0 0";
-      }
+      vertex_rows_.append(reinterpret_cast<const char*>(&p), sizeof p);
+      if (header_.has_normals) file_.normals.push_back(scan_vector("three numbers of a normal"));
       if (header_.has_texcoords) {
         // The last two numbers of the line, behind a colour if there is one.
         float values[6];
@@ -152,17 +142,15 @@ class OffScan {
         if (n < 2) cursor_.fail("a texture coordinate", {});
         file_.texcoords.emplace_back(values[n - 2], values[n - 1]);
         n_textured_colors_ += n >= 5;
-        if (reader_knows_header_) body_ += " 0 0";
       } else {
         vertex_colors_.scan(cursor_);
       }
-      body_.push_back('\n');
     }
-    vertex_lines_.push_back(body_.size());
   }
 
   void scan_faces() {
-    face_begins_.reserve(file_.n_faces + 1);
+    face_rows_.reserve(16 * file_.n_faces);  // Of triangles.
+    std::vector<std::uint32_t> corners;
     for (std::size_t f = 0; f < file_.n_faces; ++f) {
       if (!cursor_.skip_to_token()) cursor_.fail(fmt::format("face {} of {}", f + 1, file_.n_faces), {});
       TextCursor start = cursor_;
@@ -170,18 +158,18 @@ class OffScan {
       if (n < 0 || static_cast<std::size_t>(n) > cursor_.remaining())
         start.fail(fmt::format("a number of corners that {} bytes can hold", cursor_.remaining()),
                    start.token());
-      face_begins_.push_back(corners_.size());
+      corners.clear();
       for (std::int32_t i = 0; i < n; ++i) {
         if (!cursor_.skip_to_token()) cursor_.fail("a vertex index", {});
         TextCursor at = cursor_;
         const auto v = cursor_.integer<std::int64_t>("a vertex index");
         if (v < 0 || v >= static_cast<std::int64_t>(file_.n_vertices))
           at.fail(fmt::format("a vertex index below {}", file_.n_vertices), at.token());
-        corners_.push_back(static_cast<std::uint32_t>(v));
+        corners.push_back(static_cast<std::uint32_t>(v));
       }
       face_colors_.scan(cursor_);
+      if (kept_.keep(corners.size())) append_face_row(face_rows_, corners);
     }
-    face_begins_.push_back(corners_.size());
   }
 
   void finish() {
@@ -189,70 +177,52 @@ class OffScan {
     add_finding(findings, "unread_colors", n_textured_colors_,
                 "vert[ex has|ices have] a colour before a texture coordinate; not read");
     // Colours of the vertices are finer than those of the faces: where a file has both, they win.
-    const bool has_face_colors = vertex_colors_.empty() && !face_colors_.empty();
-    std::vector<LinearRgb> of_faces;
-    if (!vertex_colors_.empty()) file_.colors = vertex_colors_.decode("vert[ex|ices]", findings);
-    if (has_face_colors) of_faces = face_colors_.decode("face[|s]", findings);
-    CornerAttributes attributes(file_, false, has_face_colors);
-    KeptFaces kept(file_);
-    std::string faces;
-    faces.reserve(8 * corners_.size());
-    const auto append = [&faces](std::size_t value, char separator) {
-      char digits[24];
-      faces.append(digits, std::to_chars(digits, digits + sizeof digits, value).ptr);
-      faces.push_back(separator);
-    };
-    for (std::size_t f = 0; f < file_.n_faces; ++f) {
-      const std::size_t begin = face_begins_[f], end = face_begins_[f + 1];
-      if (!kept.keep(end - begin)) continue;
-      append(end - begin, ' ');
-      for (std::size_t c = begin; c < end; ++c) {
-        const std::uint32_t v =
-            attributes.vertex_for(corners_[c], glm::vec2(0), has_face_colors ? of_faces[f] : LinearRgb{});
-        append(v, c + 1 == end ? '\n' : ' ');
-      }
-    }
-    kept.finish(path_);
-    attributes.finish();
-    for (const std::uint32_t v : file_.copied_vertices)
-      body_.append(body_, vertex_lines_[v], vertex_lines_[v + 1] - vertex_lines_[v]);
-    file_.bytes =
-        fmt::format("OFF\n{} {} 0\n", file_.n_vertices + file_.copied_vertices.size(), kept.n_kept());
-    file_.bytes += body_;
-    file_.bytes += faces;
+    if (!vertex_colors_.empty())
+      file_.colors = vertex_colors_.decode("vert[ex|ices]", findings);
+    else if (!face_colors_.empty())
+      split_by_colors(face_colors_.decode("face[|s]", findings));
+    kept_.finish(path_);
+    extend_to_copies(file_);
+    write_canonical_ply(std::move(vertex_rows_), std::move(face_rows_), kept_.n_kept(), file_);
   }
 
-  /// Each as the shortest text that gives the same float again.
-  void append_numbers(std::initializer_list<float> values) {
-    char digits[32];
-    for (const float& value : values) {
-      if (&value != values.begin()) body_.push_back(' ');
-      body_.append(digits, std::to_chars(digits, digits + sizeof digits, value).ptr);
+  /// Gives the corners of each face the colour of the face, and new vertices where these differ.
+  void split_by_colors(const std::vector<LinearRgb>& of_faces) {
+    CornerAttributes attributes(file_, false, true);
+    char* at = face_rows_.data();
+    for (std::size_t k = 0; k < kept_.n_kept(); ++k) {
+      const LinearRgb& color = of_faces[file_.face_indices.empty() ? k : file_.face_indices[k]];
+      std::uint32_t n;
+      std::memcpy(&n, at, 4);
+      at += 4;
+      for (std::uint32_t c = 0; c < n; ++c, at += 4) {
+        std::uint32_t v;
+        std::memcpy(&v, at, 4);
+        v = attributes.vertex_for(v, glm::vec2(0), color);
+        std::memcpy(at, &v, 4);
+      }
     }
+    attributes.finish();
   }
 
   const std::string& path_;
-  std::string_view text_;
+  InputFile input_;
+  TextBlocks blocks_;
   TextCursor cursor_;
   CanonicalFile& file_;
   OffHeader header_;
-  bool reader_knows_header_ = false;
   OffColors vertex_colors_, face_colors_;
-  std::string body_;
-  std::vector<std::size_t> vertex_lines_;  // V + 1: where each begins in body_.
-  std::vector<std::size_t> face_begins_;   // F + 1: into corners_.
-  std::vector<std::uint32_t> corners_;
+  KeptFaces kept_;
+  std::string vertex_rows_, face_rows_;
   std::size_t n_textured_colors_ = 0;
 };
 
 }  // namespace
 
-CanonicalFile scan_off(const std::string& path, std::string&& text) {
+CanonicalFile scan_off(const std::string& path) {
   CanonicalFile file;
   file.format = "OFF";
-  file.extension = "off";
-  file.is_binary = false;
-  OffScan(path, text, file).run();
+  OffScan(path, file).run();
   return file;
 }
 

@@ -7,6 +7,7 @@
 #include "lambake/io/canonical_file.h"
 #include "lambake/io/corner_attributes.h"
 #include "lambake/io/file_color.h"
+#include "lambake/io/input_file.h"
 
 namespace lambake {
 namespace {
@@ -346,10 +347,11 @@ class OmScan {
 
 }  // namespace
 
-CanonicalFile scan_om(const std::string& path, std::string&& bytes) {
+CanonicalFile scan_om(const std::string& path) {
+  const std::string bytes = read_bytes(path);
   CanonicalFile file;
   file.format = "OM";
-  file.extension = "om";
+  file.is_om = true;
   OmScan(path, bytes, file).run();
   return file;
 }

@@ -8,11 +8,14 @@
 
 #include "lambake/core/error.h"
 #include "lambake/io/canonical_file.h"
+#include "lambake/io/canonical_ply.h"
 #include "lambake/io/corner_attributes.h"
 #include "lambake/io/file_color.h"
 #include "lambake/io/file_texture.h"
+#include "lambake/io/input_file.h"
 #include "lambake/io/plain_ply.h"
 #include "lambake/io/ply_header.h"
+#include "lambake/io/text_blocks.h"
 #include "lambake/io/text_cursor.h"
 
 namespace lambake {
@@ -21,8 +24,7 @@ namespace {
 /// Values of an ASCII body. Like every reader of PLY it takes line ends for blanks.
 class AsciiBody {
  public:
-  AsciiBody(const std::string& path, std::string_view text, std::size_t first_line)
-      : cursor_(path, text, 0, first_line) {}
+  explicit AsciiBody(const TextCursor& cursor) : cursor_(cursor) {}
 
   double number(PlyType type) {
     cursor_.skip_to_token();
@@ -161,8 +163,10 @@ void append_bytes(std::string& bytes, const void* data, std::size_t size) {
 template <typename Body>
 class PlyScan {
  public:
-  PlyScan(const std::string& path, const PlyHeader& header, Body body, std::string& text, CanonicalFile& file)
-      : path_(path), header_(header), body_(body), text_(text), file_(file), kept_(file) {}
+  /// @param bytes  what the body is in; is emptied in the end.
+  PlyScan(const std::string& path, const PlyHeader& header, Body body, std::string& bytes,
+          CanonicalFile& file)
+      : path_(path), header_(header), body_(body), bytes_(bytes), file_(file), kept_(file) {}
 
   void run() {
     const PlyElement* vertex = find("vertex");
@@ -235,8 +239,8 @@ class PlyScan {
     if (has_colors) file_.colors.reserve(element.count);
     const bool has_alpha = has_colors && has_all({Role::alpha});
     if (has_alpha) file_.opacities.reserve(element.count);
-    row_size_ = 4 * (3 + (file_.has_normals ? 3 : 0) + (file_.has_texcoords ? 2 : 0));
-    vertex_rows_.reserve(row_size_ * element.count);
+    const std::size_t row_size = 4 * (3 + (file_.has_normals ? 3 : 0) + (file_.has_texcoords ? 2 : 0));
+    vertex_rows_.reserve(row_size * element.count);
     float values[n_scalar_roles] = {};
     const auto value = [&](Role role) { return values[static_cast<std::size_t>(role)]; };
     for (std::size_t i = 0; i < element.count; ++i) {
@@ -281,7 +285,7 @@ class PlyScan {
                                                [](const auto& p) { return role_in_vertex(p) == Role::red; });
     const bool has_colors = channels[0] && channels[1] && channels[2] && !vertex_has_colors;
     corner_attributes_.emplace(file_, has_texcoords, has_colors);
-    face_rows_.reserve(std::min(body_.remaining() + 4 * element.count, element.count * 64));
+    face_rows_.reserve(16 * element.count);  // Of triangles.
 
     std::vector<std::uint32_t> corners;
     std::vector<float> texcoords;
@@ -347,9 +351,7 @@ class PlyScan {
 
   void append_face(std::span<const std::uint32_t> corners) {
     if (!kept_.keep(corners.size())) return;
-    const auto n = static_cast<std::uint32_t>(corners.size());
-    append_bytes(face_rows_, &n, 4);
-    append_bytes(face_rows_, corners.data(), 4 * corners.size());
+    append_face_row(face_rows_, corners);
   }
 
   /// Triangle strips: lists of indices in which a negative one ends a strip; every second triangle of a strip
@@ -402,53 +404,44 @@ class PlyScan {
     }
     if (!file_.materials.empty()) file_.materials.emplace_back();  // For faces without one.
 
-    std::string().swap(text_);  // All of it has been read; only this gives the memory back.
-    std::string& out = file_.bytes;
-    out = fmt::format(
-        "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty float x\nproperty float y\n"
-        "property float z\n{}{}element face {}\nproperty list int int vertex_indices\nend_header\n",
-        file_.n_vertices + file_.copied_vertices.size(),
-        file_.has_normals ? "property float nx\nproperty float ny\nproperty float nz\n" : "",
-        file_.has_texcoords ? "property float u\nproperty float v\n" : "", kept_.n_kept());
-    out.reserve(out.size() + vertex_rows_.size() + row_size_ * file_.copied_vertices.size() +
-                face_rows_.size());
-    out += vertex_rows_;
-    for (const std::uint32_t v : file_.copied_vertices) out.append(vertex_rows_, v * row_size_, row_size_);
-    out += face_rows_;
+    std::string().swap(bytes_);  // All of it has been read; only this gives the memory back.
+    write_canonical_ply(std::move(vertex_rows_), std::move(face_rows_), kept_.n_kept(), file_);
   }
 
   const std::string& path_;
   const PlyHeader& header_;
   Body body_;
-  std::string& text_;
+  std::string& bytes_;
   CanonicalFile& file_;
   std::optional<CornerAttributes> corner_attributes_;
   KeptFaces kept_;
   std::string vertex_rows_, face_rows_;
-  std::size_t row_size_ = 0;
 };
 
 }  // namespace
 
-CanonicalFile scan_ply(const std::string& path, std::string&& text) {
-  const PlyHeader header = read_ply_header(path, text);
-  const std::string_view body = std::string_view(text).substr(header.size);
+CanonicalFile scan_ply(const std::string& path) {
+  InputFile input(path);
+  TextBlocks blocks(input);
+  TextCursor cursor(path, blocks, 0);
+  const PlyHeader header = read_ply_header(path, cursor);
   CanonicalFile file;
-  file.extension = "ply";
-  switch (header.encoding) {
-    case PlyEncoding::ascii:
-      file.format = "PLY ascii";
-      PlyScan(path, header, AsciiBody(path, body, header.n_lines + 1), text, file).run();
-      break;
-    case PlyEncoding::little_endian:
-      file.format = "PLY binary LE";
-      if (take_plain_ply(header, text, file)) break;
-      PlyScan(path, header, BinaryBody<false>(path, body, header.size), text, file).run();
-      break;
-    case PlyEncoding::big_endian:
-      file.format = "PLY binary BE";
-      PlyScan(path, header, BinaryBody<true>(path, body, header.size), text, file).run();
-      break;
+  std::string bytes;  // Of a binary file: all of them.
+  if (header.encoding == PlyEncoding::ascii) {
+    file.format = "PLY ascii";
+    PlyScan(path, header, AsciiBody(cursor), bytes, file).run();
+    return file;
+  }
+  input.rewind();
+  bytes = input.take();
+  const std::string_view body = std::string_view(bytes).substr(header.size);
+  if (header.encoding == PlyEncoding::big_endian) {
+    file.format = "PLY binary BE";
+    PlyScan(path, header, BinaryBody<true>(path, body, header.size), bytes, file).run();
+  } else {
+    file.format = "PLY binary LE";
+    if (!take_plain_ply(header, bytes, file))
+      PlyScan(path, header, BinaryBody<false>(path, body, header.size), bytes, file).run();
   }
   return file;
 }

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
 #include <cstring>
@@ -8,6 +9,10 @@
 #include "lambake/core/bounds.h"
 #include "lambake/core/error.h"
 #include "lambake/io/canonical_file.h"
+#include "lambake/io/canonical_ply.h"
+#include "lambake/io/file_color.h"
+#include "lambake/io/input_file.h"
+#include "lambake/io/text_blocks.h"
 #include "lambake/io/text_cursor.h"
 
 namespace lambake {
@@ -15,61 +20,67 @@ namespace {
 
 constexpr std::size_t binary_header_size = 84, facet_size = 50;
 
-/// Gathers facets as a binary STL, but for those that OpenMesh's reader drops or welds wrongly.
+using Corners = std::array<glm::vec3, 3>;
+
+/// Gathers facets, their corners welded where positions are exactly equal (−0 equals 0).
 class FacetSink {
  public:
-  explicit FacetSink(CanonicalFile& file) : file_(file) { file_.bytes.assign(binary_header_size, '\0'); }
+  explicit FacetSink(CanonicalFile& file) : file_(file) {}
 
-  void add(const std::array<glm::vec3, 3>& corners) {
-    const auto index = static_cast<std::uint32_t>(file_.n_faces++);
-    if (!is_sound(corners)) {
-      file_.loose_facets.push_back({index, corners});
-      return;
+  void reserve(std::size_t n_facets) { face_rows_.reserve(16 * n_facets); }
+  void add(const Corners& corners) {
+    std::array<std::uint32_t, 3> ids{};
+    for (std::size_t c = 0; c < 3; ++c) {
+      const glm::vec3& p = corners[c];
+      const std::size_t n_before = numbers_.size();
+      ids[c] = numbers_.number_of(p.x + 0.0f, p.y + 0.0f, p.z + 0.0f);
+      if (numbers_.size() > n_before) vertex_rows_.append(reinterpret_cast<const char*>(&p), sizeof p);
     }
-    char facet[facet_size] = {};
-    std::memcpy(facet + 12, corners.data(), 36);
-    file_.bytes.append(facet, facet_size);
+    append_face_row(face_rows_, ids);
+    ++file_.n_faces;
   }
   void finish() {
-    const auto n = static_cast<std::uint32_t>((file_.bytes.size() - binary_header_size) / facet_size);
-    std::memcpy(file_.bytes.data() + 80, &n, 4);
+    file_.n_vertices = numbers_.size();
+    numbers_ = {};
+    write_canonical_ply(std::move(vertex_rows_), std::move(face_rows_), file_.n_faces, file_);
   }
 
  private:
-  static bool is_sound(const std::array<glm::vec3, 3>& corners) {
-    for (const glm::vec3& p : corners) {
-      if (!is_finite(p)) return false;
-      // The reader takes what is closer than the smallest normal float for equal.
-      for (int c = 0; c < 3; ++c)
-        if (p[c] != 0 && std::abs(p[c]) < 1e-30f) return false;
-    }
-    return corners[0] != corners[1] && corners[1] != corners[2] && corners[2] != corners[0];
-  }
   CanonicalFile& file_;
+  ValueNumbers numbers_;
+  std::string vertex_rows_, face_rows_;
 };
 
-void scan_binary(const std::string& path, std::string_view text, CanonicalFile& file) {
+void scan_binary(const std::string& path, InputFile& input, CanonicalFile& file) {
+  char header[binary_header_size];
+  input.read(header, binary_header_size);
   std::uint32_t n = 0;
-  std::memcpy(&n, text.data() + 80, 4);
-  const std::size_t n_held = (text.size() - binary_header_size) / facet_size;
+  std::memcpy(&n, header + 80, 4);
+  const std::size_t n_held = (input.size() - binary_header_size) / facet_size;
   if (n > n_held)
     throw IoError(path, fmt::format("byte 80: expected a count of at most {} triangles, as many as {} bytes "
                                     "hold, found {}",
-                                    n_held, text.size(), n));
+                                    n_held, input.size(), n));
   if (n == 0) throw IoError(path, "byte 80: expected triangles, found 0");
-  file.bytes.reserve(binary_header_size + n * facet_size);
   FacetSink sink(file);
+  sink.reserve(n);
   std::size_t n_words = 0;
-  for (std::size_t f = 0; f < n; ++f) {
-    const char* const facet = text.data() + binary_header_size + f * facet_size;
-    std::array<glm::vec3, 3> corners;
-    std::memcpy(corners.data(), facet + 12, 36);
-    n_words += facet[48] != 0 || facet[49] != 0;
-    sink.add(corners);
+  std::string block;
+  for (std::size_t f = 0; f < n; f += block.size() / facet_size) {
+    block.resize(facet_size * std::min<std::size_t>(n - f, 20'000));
+    if (input.read(block.data(), block.size()) < block.size())
+      throw IoError(path, "cannot be read to its end");
+    for (std::size_t at = 0; at < block.size(); at += facet_size) {
+      const char* const facet = block.data() + at;
+      Corners corners;
+      std::memcpy(corners.data(), facet + 12, 36);
+      n_words += facet[48] != 0 || facet[49] != 0;
+      sink.add(corners);
+    }
   }
   sink.finish();
   add_finding(file.findings, "attribute_words", n_words, "facet[ has|s have] an attribute word; not read");
-  add_finding(file.findings, "trailing_bytes", text.size() - binary_header_size - n * facet_size,
+  add_finding(file.findings, "trailing_bytes", input.size() - binary_header_size - n * facet_size,
               "byte[ follows|s follow] the last facet; not read");
 }
 
@@ -81,8 +92,11 @@ bool is_keyword(std::string_view token, std::string_view keyword) {
 
 class AsciiStlScan {
  public:
-  AsciiStlScan(const std::string& path, std::string_view text, CanonicalFile& file)
-      : cursor_(path, text, 0), file_(file), sink_(file) {}
+  AsciiStlScan(const std::string& path, InputFile& input, CanonicalFile& file)
+      : blocks_(input), cursor_(path, blocks_, 0), file_(file), sink_(file) {
+    constexpr std::size_t shortest_facet = 86;  // With one character for each number and blank.
+    sink_.reserve(input.size() / shortest_facet);
+  }
 
   void run() {
     while (cursor_.skip_to_token()) {
@@ -113,7 +127,7 @@ class AsciiStlScan {
       scan_vector();  // The facet's normal follows from its corners.
       expect("outer");
       expect("loop");
-      std::array<glm::vec3, 3> corners;
+      Corners corners;
       for (glm::vec3& corner : corners) {
         expect("vertex");
         corner = scan_vector();
@@ -129,37 +143,44 @@ class AsciiStlScan {
     return v;
   }
 
+  TextBlocks blocks_;
   TextCursor cursor_;
   CanonicalFile& file_;
   FacetSink sink_;
 };
 
 /// By the size, as the header of a binary file may begin with "solid" too.
-bool is_binary_stl(std::string_view text) {
-  if (text.size() >= binary_header_size) {
+bool is_binary_stl(const std::string& path, InputFile& input) {
+  char header[binary_header_size];
+  if (input.read(header, binary_header_size) == binary_header_size) {
     std::uint32_t n = 0;
-    std::memcpy(&n, text.data() + 80, 4);
-    if (binary_header_size + std::size_t{n} * facet_size == text.size()) return true;
+    std::memcpy(&n, header + 80, 4);
+    if (binary_header_size + std::size_t{n} * facet_size == input.size()) return true;
   }
-  const std::size_t begin = text.find_first_not_of(" \t\r\n");
-  return begin == std::string_view::npos || !is_keyword(text.substr(begin, 5), "solid");
+  input.rewind();
+  TextBlocks blocks(input);
+  TextCursor cursor(path, blocks, 0);
+  return !cursor.skip_to_token() || !is_keyword(cursor.token().substr(0, 5), "solid");
 }
 
 }  // namespace
 
-CanonicalFile scan_stl(const std::string& path, std::string&& text) {
+CanonicalFile scan_stl(const std::string& path) {
+  InputFile input(path);
+  const bool is_binary = is_binary_stl(path, input);
+  input.rewind();
   CanonicalFile file;
-  file.extension = "stl";
-  if (!is_binary_stl(text)) {
-    file.format = "STL ascii";
-    AsciiStlScan(path, text, file).run();
-    return file;
-  }
-  if (text.size() < binary_header_size)
+  file.format = is_binary ? "STL binary" : "STL ascii";
+  if (!is_binary) {
+    AsciiStlScan(path, input, file).run();
+  } else if (input.size() < binary_header_size) {
     throw IoError(path, fmt::format("expected \"solid\" or the 84 bytes of a binary header, found {} bytes",
-                                    text.size()));
-  file.format = "STL binary";
-  scan_binary(path, text, file);
+                                    input.size()));
+  } else {
+    scan_binary(path, input, file);
+  }
+  add_finding(file.findings, "welded_vertices", 3 * file.n_faces - file.n_vertices,
+              "corner[ was|s were] welded to another at exactly the same position");
   return file;
 }
 

@@ -8,6 +8,7 @@
 #include <system_error>
 
 #include "lambake/core/error.h"
+#include "lambake/io/text_blocks.h"
 
 namespace lambake {
 
@@ -22,10 +23,18 @@ class TextCursor {
         end_(text.data() + text.size()),
         line_(first_line),
         comment_(comment) {}
+  /// The text is a file's, block by block; skip_to_token() moves from one to the next.
+  TextCursor(const std::string& path, TextBlocks& blocks, char comment) : TextCursor(path, "", comment) {
+    blocks_ = &blocks;
+    next_block();
+  }
 
   const char* position() const { return at_; }
   std::size_t line() const { return line_; }
-  std::size_t remaining() const { return static_cast<std::size_t>(end_ - at_); }
+  /// Bytes of the text that are left.
+  std::size_t remaining() const {
+    return static_cast<std::size_t>(end_ - at_) + (blocks_ == nullptr ? 0 : blocks_->remaining());
+  }
 
   /// True at the end of the line's tokens (a comment counts as the end).
   bool at_line_end() {
@@ -43,8 +52,10 @@ class TextCursor {
   /// Moves to the next token, over lines; false at the end of the text.
   bool skip_to_token() {
     while (at_line_end()) {
-      if (at_ == end_) return false;
-      next_line();
+      if (at_ != end_)
+        next_line();
+      else if (!next_block())
+        return false;
     }
     return true;
   }
@@ -115,6 +126,13 @@ class TextCursor {
   static bool is_newline(char c) { return c == '\n' || c == '\r'; }
   static bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\v' || c == '\f'; }
   bool is_separator(char c) const { return is_blank(c) || is_newline(c) || (c == comment_ && c != '\0'); }
+  bool next_block() {
+    if (blocks_ == nullptr) return false;
+    const std::span<const char> block = blocks_->next();
+    at_ = block.data();
+    end_ = at_ + block.size();
+    return !block.empty();
+  }
   std::string describe_end() const { return at_ == end_ ? "the end of the file" : "the end of the line"; }
   /// Printable and short, whatever the file holds.
   static std::string quote(std::string_view found) {
@@ -124,6 +142,7 @@ class TextCursor {
   }
 
   const std::string* path_;
+  TextBlocks* blocks_ = nullptr;
   const char* at_;
   const char* end_;
   std::size_t line_;
