@@ -73,8 +73,9 @@ int bake_and_write(const BakeCommand& command) {
       fmt::print("{}{}: {} from per-pixel lighting anywhere\n",
                  command.outputs.size() > 1 ? command.outputs.front() + ", " : "",
                  c->is_certified ? "certified" : "not certified",
-                 std::isfinite(c->max_bound) ? fmt::format("at most {:.3g}/255", c->max_bound * 255)
-                                             : "no bound to how far it is");
+                 std::isfinite(c->max_bound)
+                     ? fmt::format("at most {}/255", upper_bound_text(c->max_bound * 255))
+                     : "no bound to how far it is");
   }
   json["findings"] = findings_json(findings);
   json["seconds"] = seconds_json(stopwatch);

@@ -250,9 +250,9 @@ int compare_and_write(const CompareCommand& command, const std::string& command_
                image.rmse * 255, image.max * 255, group_digits(image.pixels_over_1_255),
                group_digits(image.pixels));
     const double bound = *comparison.max_bound_display;
-    fmt::print("  surface   rmse {:.3f}  max {:.1f} found, {}\n", surface.rmse * 255,
-               surface.max_sampled * 255,
-               std::isfinite(bound) ? fmt::format("{:.1f} certified", bound * 255) : "none certified");
+    fmt::print(
+        "  surface   rmse {:.3f}  max {:.1f} found, {}\n", surface.rmse * 255, surface.max_sampled * 255,
+        std::isfinite(bound) ? fmt::format("{:.1f} certified", round_up(bound * 255, 1)) : "none certified");
     fmt::print("{}\n", (std::filesystem::path(command.folder) / "index.html").string());
   }
   return check_thresholds(thresholds, nlohmann::ordered_json::parse(report));

@@ -5,7 +5,6 @@
 #include <array>
 #include <chrono>
 #include <cmath>
-#include <tuple>
 
 #include "lambake/core/digits.h"
 #include "lambake/measure/bound.h"
@@ -22,7 +21,7 @@ std::size_t bytes_of(const Mesh& mesh) {
 }
 
 std::string steps(double error) {
-  return std::isfinite(error) ? fmt::format("{:.3g}/255", error * 255) : "no bound";
+  return std::isfinite(error) ? upper_bound_text(error * 255) + "/255" : "no bound";
 }
 
 /// Triangles that only storage keeps from being certified.
@@ -83,8 +82,7 @@ Selection select_method(const Scene& scene, const BakeOptions& options) {
   if (can_certify) methods.push_back(BakeMethod::adaptive);
   const auto is_better = [&](const MethodTrial& trial, const MethodTrial& than) {
     if (!can_certify) return trial.max_found < than.max_found;
-    if (trial.is_certified && than.is_certified)
-      return std::tie(trial.bytes, trial.seconds) < std::tie(than.bytes, than.seconds);
+    if (trial.is_certified && than.is_certified) return trial.bytes < than.bytes;
     return trial.is_certified || (!than.is_certified && trial.method == BakeMethod::adaptive);
   };
   for (const BakeMethod method : methods) {
