@@ -89,15 +89,16 @@ class GroupNormals {
         body(faces_from(chunk.begin, chunk.end), chunk.groups);
   }
 
-  /// Groups in a window: their sums stay in the level 2 cache where neighbours are numbered alike. Where they
-  /// are not, so that most chunks meet most windows, one window for each thread.
+  /// Groups in a window: several windows for each thread, but not so small that many faces lie at their
+  /// borders, and are computed twice, nor so large that their sums leave the cache. Where neighbours are not
+  /// numbered alike, so that most chunks meet most windows, one window for each thread.
   std::size_t window_size() const {
-    constexpr std::size_t in_cache = 16384;
+    constexpr std::size_t least = 16384, greatest = 65536;
+    const std::size_t size = std::clamp(n_groups_ / (4 * thread_count()), least, greatest);
     std::size_t n_meetings = 0;
-    for (const Chunk& chunk : chunks_)
-      n_meetings += chunk.groups.last / in_cache - chunk.groups.first / in_cache + 1;
-    if (n_meetings <= 2 * chunks_.size()) return in_cache;
-    return std::max(in_cache, (n_groups_ + thread_count() - 1) / thread_count());
+    for (const Chunk& chunk : chunks_) n_meetings += chunk.groups.last / size - chunk.groups.first / size + 1;
+    if (n_meetings <= 2 * chunks_.size()) return size;
+    return std::max(size, (n_groups_ + thread_count() - 1) / thread_count());
   }
 
   /// @returns how many of the groups have no direction.
