@@ -8,6 +8,8 @@
 #include <hwy/foreach_target.h>  // compiles the part below once per vector path
 #include <hwy/highway.h>
 
+#include "lambake/core/pack-inl.h"
+
 HWY_BEFORE_NAMESPACE();
 namespace lambake::HWY_NAMESPACE {
 namespace {
@@ -117,7 +119,8 @@ std::size_t candidates_of(std::span<const ScreenVertex> vertices, std::span<cons
     for (std::size_t i = 0; i < n; i += lanes) {
       const M seen = hn::And(may_be_seen(corners, i), hn::FirstN(i32, std::min(lanes, n - i)));
       const V index = hn::Iota(i32, static_cast<std::int32_t>(first + i));
-      next += hn::CompressStore(index, seen, i32, next);
+      hn::StoreU(Packing<Ints>(i32, seen)(index), i32, next);
+      next += hn::CountTrue(i32, seen);
     }
   }
   return static_cast<std::size_t>(next - reinterpret_cast<std::int32_t*>(out));

@@ -9,6 +9,8 @@
 #include <hwy/foreach_target.h>  // compiles the part below once per vector path
 #include <hwy/highway.h>
 
+#include "lambake/core/pack-inl.h"
+
 HWY_BEFORE_NAMESPACE();
 namespace lambake::HWY_NAMESPACE {
 namespace {
@@ -181,13 +183,14 @@ HWY_INLINE void append(const LightArrays& from, std::size_t i, M mask, LightArra
   const Floats d;
   const hn::RebindToUnsigned<Floats> du;
   const std::size_t at = to.size;
-  hn::StoreU(hn::Compress(load(&from.x[i]), mask), d, &to.x[at]);
-  hn::StoreU(hn::Compress(load(&from.y[i]), mask), d, &to.y[at]);
-  hn::StoreU(hn::Compress(load(&from.z[i]), mask), d, &to.z[at]);
-  hn::StoreU(hn::Compress(load(&from.r[i]), mask), d, &to.r[at]);
-  hn::StoreU(hn::Compress(load(&from.g[i]), mask), d, &to.g[at]);
-  hn::StoreU(hn::Compress(load(&from.b[i]), mask), d, &to.b[at]);
-  hn::StoreU(hn::Compress(hn::LoadU(du, &from.index[i]), hn::RebindMask(du, mask)), du, &to.index[at]);
+  const Packing<Floats> pack(d, mask);
+  hn::StoreU(pack(load(&from.x[i])), d, &to.x[at]);
+  hn::StoreU(pack(load(&from.y[i])), d, &to.y[at]);
+  hn::StoreU(pack(load(&from.z[i])), d, &to.z[at]);
+  hn::StoreU(pack(load(&from.r[i])), d, &to.r[at]);
+  hn::StoreU(pack(load(&from.g[i])), d, &to.g[at]);
+  hn::StoreU(pack(load(&from.b[i])), d, &to.b[at]);
+  hn::StoreU(pack(hn::LoadU(du, &from.index[i])), du, &to.index[at]);
   to.size += hn::CountTrue(d, mask);
 }
 
