@@ -43,6 +43,29 @@ BakeMethod method_named(const std::string& name) {
   return BakeMethod::sample;
 }
 
+/// Options that say nothing to some methods, and the methods that heed them.
+struct MethodOption {
+  const char* name;
+  std::vector<std::string> methods;
+};
+const std::vector<MethodOption>& method_options() {
+  static const std::vector<MethodOption> options{{"--tolerance", {"adaptive", "auto"}},
+                                                 {"--tolerance-space", {"adaptive", "auto"}},
+                                                 {"--max-vertices", {"adaptive", "auto"}},
+                                                 {"--max-seconds", {"adaptive", "auto"}},
+                                                 {"--gradient-weight", {"least-squares", "auto"}},
+                                                 {"--levels", {"uniform"}}};
+  return options;
+}
+
+void tell_unheeded(const BakeMethodOptions& options, Console& console) {
+  for (const MethodOption& option : method_options())
+    if (std::count(options.given.begin(), options.given.end(), option.name) > 0 &&
+        std::count(option.methods.begin(), option.methods.end(), options.method) == 0)
+      console.note(fmt::format("{} says nothing to --method {}; it is for {}", option.name, options.method,
+                               fmt::join(option.methods, " and ")));
+}
+
 /// A number, or a quotient of two.
 double parse_tolerance(const std::string& text) {
   const std::size_t slash = text.find('/');
@@ -94,6 +117,10 @@ void add_bake_options(CLI::App& command, BakeMethodOptions& options) {
           "how far merging many lamps may move a stored colour in [0,1], certified; 0 sums every lamp")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
+  for (const MethodOption& option : method_options())
+    command.get_option(option.name)->each([&options, name = option.name](const std::string&) {
+      options.given.emplace_back(name);
+    });
 }
 
 BakeOptions bake_options(const BakeMethodOptions& options, Console& console) {
@@ -114,6 +141,7 @@ BakeOptions bake_options(const BakeMethodOptions& options, Console& console) {
 
 BakedScene bake_scene(const Scene& scene, const BakeMethodOptions& options, Console& console,
                       const ColorOutput& output) {
+  tell_unheeded(options, console);
   BakeOptions how = bake_options(options, console);
   how.output = output;
   BakedScene result;

@@ -25,6 +25,7 @@ struct BakeMethodOptions {
   double gradient_weight = BakeOptions{}.gradient_weight;
   int levels = BakeOptions{}.levels;
   double light_tolerance = BakeOptions{}.light_tolerance;
+  std::vector<std::string> given{};  ///< Names of the options that only some methods heed, as given.
 };
 
 /// How lit meshes are stored.

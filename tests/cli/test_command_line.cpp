@@ -62,6 +62,15 @@ TEST(CommandLine, NamesWithLineEndsAndEscapes_AreToldOnOneLine) {
   EXPECT_EQ(result.err, "lambake: a\\x0Ab\\x1B[1m.off: expected a file, found none\n");
 }
 
+TEST(CommandLine, OptionsThatTheMethodDoesNotHeed_AreTold) {
+  const ScratchFolder folder("unheeded");
+  write_octahedron(folder / "in.off");
+  EXPECT_EQ(run_tool(folder, "bake in.off --sun 0,0,1 --levels 2 --tolerance 0.1 -o a.glb").err,
+            "lambake: --tolerance says nothing to --method sample; it is for adaptive and auto\n"
+            "lambake: --levels says nothing to --method sample; it is for uniform\n");
+  EXPECT_EQ(run_tool(folder, "bake in.off --sun 0,0,1 --method uniform --levels 2 -o a.glb").err, "");
+}
+
 TEST(CommandLine, Help_EveryCommand_HasAnExampleThatRuns) {
   const ScratchFolder folder("help");
   write_octahedron(folder / "bunny.ply.off");
