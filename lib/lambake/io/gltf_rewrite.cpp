@@ -1,11 +1,14 @@
 #include "lambake/io/gltf_rewrite.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <string_view>
 
 #include "lambake/io/gltf_accessor.h"
+#include "lambake/io/gltf_skin.h"
 #include "lambake/io/gltf_source.h"
 
 namespace lambake {
@@ -136,6 +139,11 @@ std::vector<std::uint32_t> nearest_accessor_vertices(const std::vector<VertexOri
   return nearest;
 }
 
+bool has_cuts(const BakedPrimitive& baked) {
+  return std::any_of(baked.origins.begin(), baked.origins.end(),
+                     [](const VertexOrigin& origin) { return origin.is_cut; });
+}
+
 /// n_components floats of each origin.
 std::vector<float> interpolate(const std::vector<float>& values, std::size_t n_components,
                                const std::vector<VertexOrigin>& origins, bool is_direction) {
@@ -223,8 +231,11 @@ std::vector<BakedPrimitive> baked_primitives(const GltfAsset& asset, const Scene
 void PrimitiveRewriter::rewrite(GltfJson& primitive, const BakedPrimitive& baked,
                                 const std::string& skipped) {
   primitive["attributes"].erase(skipped);
+  const std::set<std::string> mixed =
+      has_cuts(baked) ? rewrite_skin(primitive, baked) : std::set<std::string>();
   for (auto& [semantic, accessor] : primitive["attributes"].items())
-    accessor = rewrite_accessor(accessor.get<std::size_t>(), semantic, baked, false);
+    if (!mixed.contains(semantic))
+      accessor = rewrite_accessor(accessor.get<std::size_t>(), semantic, baked, false);
   if (primitive.contains("targets"))
     for (GltfJson& target : primitive["targets"])
       for (auto& [semantic, accessor] : target.items())
@@ -238,17 +249,37 @@ void PrimitiveRewriter::rewrite(GltfJson& primitive, const BakedPrimitive& baked
   }
 }
 
+std::set<std::string> PrimitiveRewriter::rewrite_skin(GltfJson& primitive, const BakedPrimitive& baked) {
+  std::set<std::string> rewritten;
+  const MixedSkin skin = mix_skin(asset_, primitive, baked);
+  for (std::size_t set = 0; set < skin.sets.size(); ++set) {
+    const auto put = [&](const std::string& semantic, const std::vector<unsigned char>& bytes, int type,
+                         bool is_normalized) {
+      const GltfElements elements{.bytes = bytes,
+                                  .count = baked.vertices.size(),
+                                  .component_type = type,
+                                  .type = "VEC4",
+                                  .is_normalized = is_normalized};
+      primitive["attributes"][semantic] = append_once(elements, semantic);
+      rewritten.insert(semantic);
+    };
+    put(fmt::format("JOINTS_{}", set), skin.sets[set].joints, skin.joint_type, false);
+    put(fmt::format("WEIGHTS_{}", set), skin.sets[set].weights, skin.weight_type,
+        skin.weight_type != gltf::float_);
+  }
+  n_cut_short_ += skin.n_cut_short;
+  return rewritten;
+}
+
 std::size_t PrimitiveRewriter::rewrite_accessor(std::size_t index, const std::string& semantic,
                                                 const BakedPrimitive& baked, bool is_target) {
   const tinygltf::Accessor& accessor = asset_.model.accessors[index];
   const std::size_t n_components = n_components_of(accessor);
-  const bool has_cuts = std::any_of(baked.origins.begin(), baked.origins.end(),
-                                    [](const VertexOrigin& origin) { return origin.is_cut; });
   const bool is_whole = accessor.componentType != TINYGLTF_COMPONENT_TYPE_FLOAT && !accessor.normalized &&
                         semantic.starts_with("_");
   const bool can_mix = !semantic.starts_with("JOINTS_") && !semantic.starts_with("WEIGHTS_") && !is_whole;
   GltfElements elements{.count = baked.vertices.size(), .type = type_name(n_components)};
-  if (has_cuts && can_mix) {
+  if (has_cuts(baked) && can_mix) {
     const bool is_direction = !is_target && (semantic == "NORMAL" || semantic == "TANGENT");
     const std::vector<float> mixed =
         interpolate(decode_floats(asset_.model, index), n_components, baked.origins, is_direction);

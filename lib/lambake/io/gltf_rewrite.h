@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <limits>
 #include <map>
+#include <set>
+#include <string>
 #include <vector>
 
 #include "lambake/bake/bake.h"
@@ -44,10 +46,16 @@ class PrimitiveRewriter {
 
   /// Replaces the primitive's attributes (but `skipped`), morph targets and indices; nothing of it is
   /// compressed afterwards. Floating point attributes are interpolated where a vertex is a cut, normals and
-  /// tangents renormalised; joints, weights and whole numbers are those of the nearer end.
+  /// tangents renormalised, joints and weights mixed (gltf_skin.h); whole numbers are those of the nearer
+  /// end.
   void rewrite(GltfJson& primitive, const BakedPrimitive& baked, const std::string& skipped);
 
+  /// Vertices of skinned primitives that had to leave out joints.
+  std::size_t n_cut_short() const { return n_cut_short_; }
+
  private:
+  /// @returns the attributes that it has written.
+  std::set<std::string> rewrite_skin(GltfJson& primitive, const BakedPrimitive& baked);
   std::size_t rewrite_accessor(std::size_t accessor, const std::string& semantic, const BakedPrimitive& baked,
                                bool is_target);
   std::size_t append_once(const GltfElements& elements, const std::string& semantic);
@@ -55,6 +63,7 @@ class PrimitiveRewriter {
   const GltfAsset& asset_;
   GltfDocument& document_;
   std::multimap<std::size_t, std::size_t> accessor_of_hash_;
+  std::size_t n_cut_short_ = 0;
 };
 
 }  // namespace lambake

@@ -77,6 +77,7 @@ class AssetWriter {
     const std::vector<BakedPrimitive> primitives = baked_primitives(asset_, scene_, baked_);
     for (std::size_t i = 0; i < primitives.size(); ++i)
       if (is_lit(asset_.placed[i], scene_)) light(asset_.placed[i], primitives[i], document, rewriter);
+    n_cut_short_ = rewriter.n_cut_short();
     if (options_.mark_unlit) mark_materials(document.json);
     drop_unused_draco(document.json);
     if (n_rewritten_ > 0) drop_replaced(asset_.json, document);
@@ -211,6 +212,9 @@ class AssetWriter {
                 "primitive[ has|s have] other vertices than in the file, as [its|their] corners or cuts need "
                 "them; [its|their] "
                 "attributes are written anew");
+    add_finding(findings, "joints_left_out", n_cut_short_,
+                "vert[ex|ices] of cuts lie[s|] between vertices of more joints than the file has places for; "
+                "the weakest are left out");
     add_finding(findings, "materials_with_other_extensions", n_with_other_extensions_,
                 "material[ has|s have] extensions of [its|their] own beside KHR_materials_unlit, which a "
                 "viewer may prefer");
@@ -229,7 +233,7 @@ class AssetWriter {
   std::vector<std::size_t> mesh_of_node_;
   std::set<std::pair<std::size_t, std::size_t>> lit_;  ///< (mesh, primitive) of the written document.
   std::size_t negative_ = 0, n_multiplied_ = 0, n_rewritten_ = 0, emission_lost_ = 0,
-              n_with_other_extensions_ = 0;
+              n_with_other_extensions_ = 0, n_cut_short_ = 0;
 };
 
 /// The .bin beside a new .gltf must not be one that the asset itself is made of, unless the asset is
