@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <random>
 
 namespace lambake {
@@ -61,6 +62,14 @@ TEST(MovedCorners, AlongTheGradientOfARightTriangle_TheSlopeTimesTheMove) {
   glm::dmat3 stored = patch.positions;
   stored[0].x += 0.1;
   EXPECT_DOUBLE_EQ(change_by_moved_corners(patch, half, stored, ErrorSpace::linear), 0.0125);
+}
+
+TEST(MovedCorners, BoundWithAChange_IsTheSumButOnScreenNoMoreThanAll) {
+  EXPECT_EQ(bound_with_change(0.5, 0.25, ErrorSpace::linear), 0.75);
+  EXPECT_EQ(bound_with_change(0.5, 0.25, ErrorSpace::display), 0.75);
+  EXPECT_EQ(bound_with_change(0.75, 0.5, ErrorSpace::linear), 1.25);
+  EXPECT_EQ(bound_with_change(0.75, 0.5, ErrorSpace::display), 1);
+  EXPECT_TRUE(std::isinf(bound_with_change(INFINITY, 0.5, ErrorSpace::display)));
 }
 
 // The change at a point: the stored triangle shows there what the patch has at the same barycentrics.

@@ -125,10 +125,9 @@ class AdaptiveBake {
                   "triangle[ is|s are] touched by a light, so that the error there has no bound");
     add_finding(baked.findings, "open_triangles", certificate.open_triangles - unbounded,
                 "triangle[ is|s are] not certified to be within the tolerance");
-    add_finding(
-        baked.findings, "triangles_open_by_position", n_moved(),
-        "of them ha[s|ve] corners that cuts made and that float rounds too far: move the model to the "
-        "origin");
+    add_finding(baked.findings, "triangles_open_by_position", n_moved(),
+                "of them ha[s|ve] corners that cuts made and that float rounds too far for [it|them]: "
+                "[it is a sliver|they are slivers], or the model is far from the origin");
     add_finding(
         baked.findings, "triangles_without_direction", n_without_direction(),
         "of them ha[s|ve] normals that cancel inside or at a corner: light per pixel has no direction there "
@@ -284,7 +283,8 @@ class AdaptiveBake {
         const FinishRange finish = finishes_.over(cut_.mesh(), f);
         const double moved = change_by_rounding(f, patch, finish);
         how.accept = how.reject = std::max(level - moved, 0.5 * level);
-        bounds_[f] = bound_patch(patch, finish, scene_.lights, lights, how).bound + moved;
+        const double known = bound_patch(patch, finish, scene_.lights, lights, how).bound;
+        bounds_[f] = bound_with_change(known, moved, options_.tolerance_space);
       }
     });
   }

@@ -26,7 +26,7 @@ SurfaceBound surface_bound(const Scene& scene, const BakedColors& baked, const B
       const double moved = change_by_moved_corners(patch, finish, surface.stored_corners(f), options.space);
       how.accept = std::max(options.accept - moved, 0.5 * options.accept);
       bounds[f] = bound_patch(patch, finish, scene.lights, lights, how);
-      bounds[f].bound += moved;
+      bounds[f].bound = bound_with_change(bounds[f].bound, moved, options.space);
     }
   });
 

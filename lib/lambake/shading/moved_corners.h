@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <glm/glm.hpp>
 
 #include "lambake/core/color.h"
@@ -16,5 +17,10 @@ namespace lambake {
 /// @param stored  the corners in the output, as columns.
 double change_by_moved_corners(const Patch& patch, const FinishRange& finish, const glm::dmat3& stored,
                                ErrorSpace space);
+
+/// A bound of the error with such a change added; on screen nothing is more than 1 off.
+inline double bound_with_change(double bound, double change, ErrorSpace space) {
+  return space == ErrorSpace::linear ? bound + change : std::min(bound + change, std::max(bound, 1.0));
+}
 
 }  // namespace lambake
