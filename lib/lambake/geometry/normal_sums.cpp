@@ -41,13 +41,6 @@ constexpr float least_length = 1e-17f, greatest_length = 1e17f;
 /// by some 1e-7 of the product of the edges.
 constexpr float sliver = 0.0625f;
 
-/// A sum of unit normals shorter than this share of the sum of its weights has no direction: the faces
-/// cancel.
-constexpr double cancelled = 1e-6;
-
-/// Below this share of the sum of its weights, the 1e-7 by which float shares are off shows in the direction.
-constexpr double uncertain = 0.25;
-
 /// atan(z) to 1.2e-7 of itself, for z in [0,1]: Chebyshev interpolation of atan(z)/z over z².
 constexpr float atan_coefficients[] = {0.999999881996f,  -0.333318126556f,  0.199669618296f,
                                        -0.140032901847f, 0.0986886545832f,  -0.0588297531472f,
@@ -139,11 +132,6 @@ HWY_INLINE D3 promote(const FewF3& a) {
   const Doubles d;
   return {hn::PromoteTo(d, a.x), hn::PromoteTo(d, a.y), hn::PromoteTo(d, a.z)};
 }
-HWY_INLINE FewF3 demote(const D3& a) {
-  const FewFloats f;
-  return {hn::DemoteTo(f, a.x), hn::DemoteTo(f, a.y), hn::DemoteTo(f, a.z)};
-}
-
 template <typename Tag>
 HWY_INLINE Vector3<hn::Vec<Tag>> load_corners(Tag tag, const float* corners) {
   Vector3<hn::Vec<Tag>> p;
@@ -466,26 +454,6 @@ IndexRange range_of(const std::uint32_t* indices, std::size_t n) {
   return range;
 }
 
-UnitNormalCounts unit_normals_of(const NormalSum* sums, std::size_t n, glm::vec3* normals) {
-  const Doubles d;
-  const FewFloats f;
-  const std::size_t lanes = hn::Lanes(d);
-  UnitNormalCounts counts;
-  for (std::size_t i = 0; i + lanes <= n; i += lanes) {
-    D3 sum;
-    D weight;
-    hn::LoadInterleaved4(d, sums[i].normal, sum.x, sum.y, sum.z, weight);
-    const D length = hn::Sqrt(dot(sum, sum));
-    const auto has_direction = hn::Gt(length, hn::Mul(weight, hn::Set(d, cancelled)));
-    const D reciprocal = hn::IfThenElseZero(has_direction, hn::Div(hn::Set(d, 1.0), length));
-    const FewF3 normal = demote(scale(sum, reciprocal));
-    hn::StoreInterleaved3(normal.x, normal.y, normal.z, f, &normals[i].x);
-    counts.n_without += lanes - hn::CountTrue(d, has_direction);
-    counts.n_uncertain += hn::CountTrue(d, hn::Lt(length, hn::Mul(weight, hn::Set(d, uncertain))));
-  }
-  return counts;
-}
-
 }  // namespace
 }  // namespace lambake::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
@@ -500,7 +468,6 @@ namespace {
 HWY_EXPORT(add_faces_of);
 HWY_EXPORT(have_area_of);
 HWY_EXPORT(range_of);
-HWY_EXPORT(unit_normals_of);
 }  // namespace
 
 glm::dvec3 area_vector(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
@@ -543,26 +510,6 @@ void add_faces_exactly(std::span<const glm::vec3> positions, std::span<const glm
   for (const glm::uvec3& t : triangles)
     if (is_named(t.x) || is_named(t.y) || is_named(t.z))
       add_face_exactly(positions.data(), t, weight, is_wanted.data(), window);
-}
-
-bool is_uncertain(const NormalSum& sum) {
-  const auto& [x, y, z] = sum.normal;
-  return std::sqrt(x * x + y * y + z * z) < sum.weight * uncertain;
-}
-
-UnitNormalCounts unit_normals(std::span<const NormalSum> sums, std::span<glm::vec3> normals) {
-  // The rest as one vector more, filled with sums of one direction.
-  constexpr std::size_t n_lanes = 8;
-  const std::size_t n_whole = sums.size() / n_lanes * n_lanes;
-  const auto kernel = HWY_DYNAMIC_DISPATCH(unit_normals_of);
-  const UnitNormalCounts whole = kernel(sums.data(), n_whole, normals.data());
-  NormalSum last_sums[n_lanes];
-  glm::vec3 last_normals[n_lanes];
-  std::fill(std::begin(last_sums), std::end(last_sums), NormalSum{{1, 0, 0}, 1});
-  std::copy(sums.begin() + static_cast<std::ptrdiff_t>(n_whole), sums.end(), last_sums);
-  const UnitNormalCounts last = kernel(last_sums, n_lanes, last_normals);
-  std::copy_n(last_normals, sums.size() - n_whole, normals.begin() + static_cast<std::ptrdiff_t>(n_whole));
-  return {whole.n_without + last.n_without, whole.n_uncertain + last.n_uncertain};
 }
 
 }  // namespace lambake

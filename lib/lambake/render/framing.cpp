@@ -55,9 +55,9 @@ Camera frame_from(const Sphere& sphere, float aspect, double turn_rad) {
   const double turn = 0.5 + turn_rad;
   const glm::dvec3 towards_eye = glm::normalize(glm::dvec3(std::sin(turn), 0.35, std::cos(turn)));
   if (!is_finite(glm::vec3(sphere.center + distance * towards_eye)))
-    throw InvalidScene(fmt::format(
-        "camera: expected a model that float can see from outside, found one of radius {:.3g}",
-        sphere.radius));
+    throw InvalidScene(
+        fmt::format("camera: expected a model that float can see from outside, found one of radius {:.3g}",
+                    sphere.radius));
   return aim(sphere.center + distance * towards_eye, -towards_eye, distance, default_vertical_fov_rad);
 }
 
