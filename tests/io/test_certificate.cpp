@@ -296,6 +296,30 @@ TEST(CertificateOfFile, EmissionThatIsNotWritten_HasNoBound) {
   EXPECT_EQ(count_of(c.baked.findings, "certificate_not_of_file"), 1U);
 }
 
+// An exposure scales what is baked, not the materials that are written back.
+TEST(CertificateOfFile, EmissionThatStaysAsInTheFile_HasNoBoundIfAnotherIsBaked) {
+  Scene scene = scene_of(icosphere(1), {sun({0, 1, 0})});
+  scene.materials[0].emission = {0.3f, 0.1f, 0};
+  write_asset(temporary_file("in.gltf"), scene);
+  SceneFile file = read_gltf_file(temporary_file("in.gltf"), {});
+  file.scene.lights = scene.lights;
+  const GltfWriteOptions lit{.mark_unlit = false}, beside{.attribute = "_LIGHT"};
+  EXPECT_TRUE(gltf_output(file, lit).gaps.empty());
+  EXPECT_TRUE(gltf_output(file, beside).gaps.empty());
+  file.scene.materials[0].emission = {0.6f, 0.2f, 0};
+  EXPECT_TRUE(gltf_output(file, {}).gaps.empty());  // In the colours.
+  for (const GltfWriteOptions& options : {lit, beside}) {
+    const ColorOutput output = gltf_output(file, options);
+    EXPECT_EQ(count_of(output.gaps, "certificate_not_of_file"), 1U);
+    const BakedColors baked = bake(file.scene, {.method = BakeMethod::adaptive, .output = output});
+    EXPECT_FALSE(baked.certificate->is_certified);
+    const WrittenColors written = write_gltf_file(temporary_file("out.glb"), file, baked, options);
+    EXPECT_EQ(count_of(written.findings, "emission_of_file"), 1U);
+  }
+  file.scene.materials[0].is_unlit = true;  // Shows none.
+  EXPECT_TRUE(gltf_output(file, beside).gaps.empty());
+}
+
 // Linear bytes behind a base colour of 0: 0.0019 becomes 0 or 1/255, whatever the light is.
 TEST(CertificateOfFile, EmissionThatIsRounded_IsInTheBound) {
   const Case c = write_and_look(Format::new_glb, ColorStorage::u8, {{0, 0, 0}, {0.0019f, 0, 1}}, 1.0 / 255);

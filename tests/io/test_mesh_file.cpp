@@ -265,6 +265,15 @@ TEST_F(MeshFileTest, ObjLineContinuationsAndRelativeIndices_AreRead) {
   EXPECT_EQ(file.scene.mesh.triangles, (std::vector<glm::uvec3>{{0, 1, 2}, {3, 0, 1}}));
 }
 
+TEST_F(MeshFileTest, ObjLineContinuations_AreLinesOfTheirOwnInWhatIsTold) {
+  const std::string text = "# a \\\nb \\\r\nc\nv 0 \\\n0 0\nv 1 0 0\nv 0 1 0\n";
+  const std::string end = "f 1 2 \\\n4 \\\r3\n";
+  for (const std::size_t n_blank : {0, 2'000'000}) {  // In one block, and in several.
+    const std::string path = write("a.obj", text + std::string(n_blank, ' ') + "\\\n\n" + end);
+    EXPECT_EQ(refusal_of(path), path + ": line 10: expected the index of one of 3 vertices, found \"4\"");
+  }
+}
+
 TEST_F(MeshFileTest, PlyColors_AreDecodedFromSrgbWhateverTheirType) {
   const std::string header = "property TYPE red\nproperty TYPE green\nproperty TYPE blue\n";
   const auto read_color = [&](const std::string& type, const std::string& values) {

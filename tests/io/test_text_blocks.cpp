@@ -9,6 +9,8 @@
 #include <thread>
 #include <vector>
 
+#include "lambake/core/error.h"
+
 namespace lambake {
 namespace {
 
@@ -63,6 +65,37 @@ TEST_F(TextBlocksTest, AfterRewind_TheTextBeginsAgain) {
   EXPECT_GT(first.size(), 2u);
   blocks.rewind();
   EXPECT_EQ(blocks_of(blocks), first);
+}
+
+TEST_F(TextBlocksTest, AFileThatGrows_EndsWhereItDidWhenItWasOpened) {
+  write(text);
+  InputFile file(path);
+  TextBlocks blocks(file, 24);
+  const std::vector<std::string> first = blocks_of(blocks);
+  write(text + "\nmore");
+  blocks.rewind();
+  EXPECT_EQ(blocks_of(blocks), first);
+  EXPECT_EQ(blocks.remaining(), 0u);
+  file.rewind();
+  EXPECT_EQ(file.take(), text);
+}
+
+TEST_F(TextBlocksTest, AFileThatShrinks_IsRefused) {
+  write(text);
+  InputFile file(path);
+  TextBlocks blocks(file, 24);
+  blocks_of(blocks);
+  write(text.substr(0, 20));
+  blocks.rewind();
+  try {
+    blocks_of(blocks);
+    FAIL();
+  } catch (const IoError& error) {
+    EXPECT_EQ(error.what(), path + ": byte 20: expected " + std::to_string(text.size()) +
+                                " bytes as when it was opened, found the end of the file");
+  }
+  file.rewind();
+  EXPECT_THROW(file.take(), IoError);
 }
 
 TEST_F(TextBlocksTest, APipe_CanBeReadTwiceToo) {

@@ -33,6 +33,12 @@ TextureWrap wrap_of(int code) {
                                                          : TextureWrap::repeat;
 }
 
+LinearRgb emission_of_file(const tinygltf::Material& material, const GltfJson& json) {
+  const GltfJson& extension = member(member(json, "extensions"), "KHR_materials_emissive_strength");
+  const double strength = number_or(member(extension, "emissiveStrength"), 1);
+  return color_of(material.emissiveFactor, {0, 0, 0}) * static_cast<float>(std::max(0.0, strength));
+}
+
 class MaterialReader {
  public:
   MaterialReader(const GltfAsset& asset, Scene& scene, Findings& findings)
@@ -57,11 +63,7 @@ class MaterialReader {
     material.base_color_texture =
         read_texture(from.pbrMetallicRoughness.baseColorTexture,
                      member(member(json, "pbrMetallicRoughness"), "baseColorTexture"));
-    const GltfJson& extensions = member(json, "extensions");
-    const double strength =
-        number_or(member(member(extensions, "KHR_materials_emissive_strength"), "emissiveStrength"), 1);
-    material.emission =
-        color_of(from.emissiveFactor, {0, 0, 0}) * static_cast<float>(std::max(0.0, strength));
+    material.emission = emission_of_file(from, json);
     if (!(material.emission == LinearRgb{0, 0, 0}))
       material.emission_texture = read_texture(from.emissiveTexture, member(json, "emissiveTexture"));
     material.alpha_mode = from.alphaMode == "MASK"    ? AlphaMode::mask
@@ -69,7 +71,7 @@ class MaterialReader {
                                                       : AlphaMode::opaque;
     material.alpha_cutoff = static_cast<float>(from.alphaCutoff);
     material.is_double_sided = from.doubleSided;
-    material.is_unlit = member(extensions, "KHR_materials_unlit").is_object();
+    material.is_unlit = member(member(json, "extensions"), "KHR_materials_unlit").is_object();
     return material;
   }
 
@@ -136,6 +138,11 @@ class MaterialReader {
 
 void read_gltf_materials(const GltfAsset& asset, Scene& scene, Findings& findings) {
   MaterialReader(asset, scene, findings).run();
+}
+
+LinearRgb emission_in_file(const GltfAsset& asset, std::size_t material) {
+  if (material >= asset.model.materials.size()) return {0, 0, 0};  // The default one.
+  return emission_of_file(asset.model.materials[material], asset.json["materials"][material]);
 }
 
 }  // namespace lambake

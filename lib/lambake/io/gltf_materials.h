@@ -12,4 +12,7 @@ namespace lambake {
 /// @throws IoError if an image that is needed is missing or does not decode.
 void read_gltf_materials(const GltfAsset& asset, Scene& scene, Findings& findings);
 
+/// The emission that the file gives to one of the scene's materials, but for the texture.
+LinearRgb emission_in_file(const GltfAsset& asset, std::size_t material);
+
 }  // namespace lambake

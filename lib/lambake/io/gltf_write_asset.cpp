@@ -7,6 +7,7 @@
 #include "lambake/core/error.h"
 #include "lambake/io/gltf_asset.h"
 #include "lambake/io/gltf_color.h"
+#include "lambake/io/gltf_materials.h"
 #include "lambake/io/gltf_merge.h"
 #include "lambake/io/gltf_prune.h"
 #include "lambake/io/gltf_rewrite.h"
@@ -52,6 +53,23 @@ ColorFolding folding_of(const Material& material, const GltfWriteOptions& option
                    share(material.emission.g, material.base_color.g),
                    share(material.emission.b, material.base_color.b)};
   return folding;
+}
+
+constexpr const char* other_emissions_text =
+    "material[ keeps|s keep] the emission of the file, which is not the one that was baked (an exposure "
+    "scales it)";
+
+/// How many materials keep the file's emission beside the light, though the scene has been given another.
+std::size_t count_other_emissions(const GltfAsset& asset, const Scene& scene,
+                                  const GltfWriteOptions& options) {
+  const std::vector<bool> is_used = used_materials(scene.mesh, scene.materials.size());
+  std::size_t n = 0;
+  for (std::size_t m = 0; m < is_used.size(); ++m) {
+    const Material& material = scene.materials[m];
+    n += is_used[m] && !material.is_unlit && !needs_emission(material, options) &&
+         material.emission != emission_in_file(asset, m);
+  }
+  return n;
 }
 
 /// COLOR_0 lies in [0,1] by the specification, as floats too.
@@ -222,6 +240,8 @@ class AssetWriter {
                 "vert[ex emits|ices emit] light that cannot be put into vertex colours (a texture, or a base "
                 "colour of 0); an "
                 "unlit material does not show it");
+    add_finding(findings, "emission_of_file", count_other_emissions(asset_, scene_, options_),
+                other_emissions_text);
   }
 
   const GltfAsset& asset_;
@@ -279,6 +299,8 @@ ColorOutput gltf_asset_output(const GltfAsset& asset, const Scene& scene, const 
       output.gaps, "certificate_not_of_file", n_multiplied,
       "primitive[ has|s have] vertex colours beside the light, so that a viewer multiplies two colours "
       "that it has interpolated");
+  add_finding(output.gaps, "certificate_not_of_file", count_other_emissions(asset, scene, options),
+              other_emissions_text);
   return output;
 }
 

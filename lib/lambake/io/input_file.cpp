@@ -1,5 +1,7 @@
 #include "lambake/io/input_file.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
@@ -33,15 +35,21 @@ InputFile::InputFile(const std::string& path, bool may_be_pipe) : path_(path) {
 }
 
 std::size_t InputFile::read(char* to, std::size_t n) {
+  n = std::min(n, size_ - at_);
   if (is_pipe_) {
-    n = std::min(n, piped_.size() - at_);
     std::memcpy(to, piped_.data() + at_, n);
-    at_ += n;
-    return n;
+  } else {
+    stream_.read(to, static_cast<std::streamsize>(n));
+    if (stream_.bad()) throw IoError(path_, "cannot be read");
+    const auto n_read = static_cast<std::size_t>(stream_.gcount());
+    if (n_read < n)
+      throw IoError(path_,
+                    fmt::format("byte {}: expected {} bytes as when it was opened, found the end of the "
+                                "file",
+                                at_ + n_read, size_));
   }
-  stream_.read(to, static_cast<std::streamsize>(n));
-  if (stream_.bad()) throw IoError(path_, "cannot be read");
-  return static_cast<std::size_t>(stream_.gcount());
+  at_ += n;
+  return n;
 }
 
 void InputFile::rewind() {
@@ -54,7 +62,6 @@ std::string InputFile::take() {
   if (is_pipe_) return std::move(piped_);
   std::string bytes(size_, '\0');
   bytes.resize(read(bytes.data(), bytes.size()));
-  if (bytes.empty()) throw IoError(path_, "expected content, found no bytes");
   return bytes;
 }
 

@@ -6,8 +6,8 @@
 
 namespace lambake {
 
-/// A file that is read piece by piece, more than once if need be. A pipe can be read only once: what comes
-/// out of it is kept in memory.
+/// A file that is read piece by piece, more than once if need be: the bytes that it has when it is opened,
+/// even if it grows. A pipe can be read only once: what comes out of it is kept in memory.
 class InputFile {
  public:
   /// @param may_be_pipe  true for a file that the user names. Whatever else is no regular file may never end.
@@ -15,7 +15,8 @@ class InputFile {
   explicit InputFile(const std::string& path, bool may_be_pipe = true);
 
   std::size_t size() const { return size_; }
-  /// Reads the next `n` bytes, or what is left if that is less; returns how many. @throws IoError.
+  /// Reads the next `n` bytes, or what is left if that is less; returns how many.
+  /// @throws IoError if it cannot be read, or has become shorter.
   std::size_t read(char* to, std::size_t n);
   void rewind();
   /// All bytes; the file has nothing more to give then.
@@ -26,7 +27,7 @@ class InputFile {
   std::ifstream stream_;
   std::string piped_;
   std::size_t size_ = 0;
-  std::size_t at_ = 0;  // In `piped_`.
+  std::size_t at_ = 0;  // The next byte.
   bool is_pipe_ = false;
 };
 

@@ -24,12 +24,14 @@ namespace {
 
 constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
 
-/// Joins lines that end with a backslash to the next, in place.
-void join_continued_lines(std::span<char> text) {
+/// Joins lines that end with a backslash to the next, in place; `joined` gets where the backslashes were.
+void join_continued_lines(std::span<char> text, std::vector<const char*>& joined) {
+  joined.clear();
   for (auto at = text.begin(); (at = std::find(at, text.end(), '\\')) != text.end();) {
     const auto next = at + 1;
     const bool is_cr_lf = text.end() - next >= 2 && next[0] == '\r' && next[1] == '\n';
     const bool is_newline = next != text.end() && (*next == '\n' || *next == '\r');
+    if (is_newline) joined.push_back(&*at);
     at = is_cr_lf || is_newline ? std::fill_n(at, is_cr_lf ? 3 : 2, ' ') : next;
   }
 }
@@ -60,12 +62,16 @@ class ObjScan {
     blocks_.rewind();
     std::size_t line = 1;
     for (std::span<char> block; !(block = blocks_.next()).empty();) {
-      join_continued_lines(block);
+      join_continued_lines(block, joined_);
       std::string_view text(block.data(), block.size());
       if (line == 1 && text.starts_with(byte_order_mark)) text.remove_prefix(byte_order_mark.size());
       TextCursor cursor(path_, text, '#', line);
-      for (; cursor.skip_to_token(); cursor.next_line()) visit(cursor, cursor.token());
-      line = cursor.line();
+      auto joined = joined_.begin();
+      for (; cursor.skip_to_token(); cursor.next_line()) {
+        for (; joined != joined_.end() && *joined < cursor.position(); ++joined) cursor.add_lines(1);
+        visit(cursor, cursor.token());
+      }
+      line = cursor.line() + static_cast<std::size_t>(joined_.end() - joined);
     }
   }
 
@@ -284,6 +290,7 @@ class ObjScan {
   const std::string& path_;
   InputFile input_;
   TextBlocks blocks_;
+  std::vector<const char*> joined_;  // Of one block.
   CanonicalFile& file_;
   ObjMaterials materials_;
   std::optional<CornerSplitter> splitter_;  // If corners can have more than a vertex.

@@ -68,8 +68,7 @@ void scan_binary(const std::string& path, InputFile& input, CanonicalFile& file)
   std::string block;
   for (std::size_t f = 0; f < n; f += block.size() / facet_size) {
     block.resize(facet_size * std::min<std::size_t>(n - f, 20'000));
-    if (input.read(block.data(), block.size()) < block.size())
-      throw IoError(path, "cannot be read to its end");
+    input.read(block.data(), block.size());
     for (std::size_t at = 0; at < block.size(); at += facet_size) {
       const char* const facet = block.data() + at;
       Corners corners;

@@ -46,8 +46,7 @@ void TextBlocks::rewind() {
 }
 
 std::size_t TextBlocks::remaining() const {
-  // A file may grow while it is read.
-  return (n_held_ - n_given_) + (file_.size() > n_read_ ? file_.size() - n_read_ : 0);
+  return (n_held_ - n_given_) + (file_.size() - n_read_);
 }
 
 }  // namespace lambake

@@ -49,6 +49,8 @@ class TextCursor {
     if (is_cr && at_ != end_ && *at_ == '\n') ++at_;
     ++line_;
   }
+  /// Counts lines that the text no longer shows.
+  void add_lines(std::size_t n) { line_ += n; }
   /// Moves to the next token, over lines; false at the end of the text.
   bool skip_to_token() {
     while (at_line_end()) {
