@@ -265,6 +265,13 @@ TEST_F(MeshFileTest, ObjLineContinuationsAndRelativeIndices_AreRead) {
   EXPECT_EQ(file.scene.mesh.triangles, (std::vector<glm::uvec3>{{0, 1, 2}, {3, 0, 1}}));
 }
 
+TEST_F(MeshFileTest, ObjCommentsThatEndWithABackslash_AreNotContinued) {
+  const SceneFile file = read("a.obj",
+                              "# C:\\models\\\nv 0 0 0\n  # again\\\r\nv 1 0 \\\n0\nv 0 1 0 # and\\\n"
+                              "f 1 \\\n2 3 # here\\\nf 3 2 1\n");
+  EXPECT_EQ(file.scene.mesh.triangles, (std::vector<glm::uvec3>{{0, 1, 2}, {2, 1, 0}}));
+}
+
 TEST_F(MeshFileTest, ObjLineContinuations_AreLinesOfTheirOwnInWhatIsTold) {
   const std::string text = "# a \\\nb \\\r\nc\nv 0 \\\n0 0\nv 1 0 0\nv 0 1 0\n";
   const std::string end = "f 1 2 \\\n4 \\\r3\n";
@@ -311,6 +318,19 @@ TEST_F(MeshFileTest, PlyTexcoordsOfCorners_SplitTheVertices) {
   EXPECT_EQ(mesh.source_vertices[4], 2u);
   EXPECT_EQ(mesh.texcoords[0][2], glm::vec2(1, 0));
   EXPECT_EQ(mesh.texcoords[0][4], glm::vec2(0.5f, 0));
+}
+
+// A vertex takes its material's colour and texture, so that it can have one only.
+TEST_F(MeshFileTest, PlyTexturesOfFaces_SplitTheVerticesBetweenThem) {
+  std::string text = ply("property float s\nproperty float t\n", "property int texnumber\n", 4, 2,
+                         "0 0 0 0 0\n1 0 0 1 0\n1 1 0 1 1\n0 1 0 0 1\n3 0 1 2 0\n3 0 2 3 -1\n");
+  text.insert(text.find("element vertex"), "comment TextureFile missing.png\n");
+  const Mesh mesh = read("a.ply", text).scene.mesh;
+  ASSERT_EQ(mesh.n_vertices(), 6u);
+  EXPECT_NE(mesh.material_of(0), mesh.material_of(1));
+  for (int c = 0; c < 3; ++c)
+    for (int d = 0; d < 3; ++d) EXPECT_NE(mesh.triangles[0][c], mesh.triangles[1][d]);
+  EXPECT_EQ(mesh.texcoords[0][mesh.triangles[1][1]], glm::vec2(1, 0));
 }
 
 TEST_F(MeshFileTest, PlyTriangleStrips_WindAsOne) {

@@ -14,7 +14,7 @@ namespace lambake {
 /// asked for.
 class CornerSplitter {
  public:
-  using Key = std::array<std::uint32_t, 3>;  ///< Whatever tells two kinds of corners apart.
+  using Key = std::array<std::uint32_t, 4>;  ///< Whatever tells two kinds of corners apart.
 
   explicit CornerSplitter(std::size_t n_vertices) : first_(n_vertices, none) {
     kinds_.reserve(n_vertices);  // Most vertices have one.

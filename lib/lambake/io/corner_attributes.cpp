@@ -9,16 +9,22 @@
 
 namespace lambake {
 
-CornerAttributes::CornerAttributes(CanonicalFile& file, bool has_texcoords, bool has_colors)
-    : file_(file), has_texcoords_(has_texcoords), has_colors_(has_colors), splitter_(file.n_vertices) {
+CornerAttributes::CornerAttributes(CanonicalFile& file, bool has_texcoords, bool has_colors,
+                                   bool has_materials)
+    : file_(file),
+      has_texcoords_(has_texcoords),
+      has_colors_(has_colors),
+      has_materials_(has_materials),
+      splitter_(file.n_vertices) {
   if (has_texcoords) file_.texcoords.assign(file.n_vertices, glm::vec2(0));
   if (has_colors) file_.colors.assign(file.n_vertices, LinearRgb{1, 1, 1});
 }
 
 std::uint32_t CornerAttributes::vertex_for(std::uint32_t vertex, const glm::vec2& texcoord,
-                                           const LinearRgb& color) {
-  if (!has_texcoords_ && !has_colors_) return vertex;
+                                           const LinearRgb& color, std::uint32_t material) {
+  if (!has_texcoords_ && !has_colors_ && !has_materials_) return vertex;
   CornerSplitter::Key key{};
+  key[3] = material;
   if (has_texcoords_)
     key[0] = std::bit_cast<std::uint32_t>(texcoord.x), key[1] = std::bit_cast<std::uint32_t>(texcoord.y);
   if (has_colors_) key[2] = color_numbers_.number_of(color.r, color.g, color.b);

@@ -11,21 +11,22 @@
 
 namespace lambake {
 
-/// Splits vertices whose corners differ in texture coordinate or in the colour of their faces, and keeps
-/// these in the file's `texcoords` and `colors`.
+/// Splits vertices whose corners differ in texture coordinate, or in the colour or the material of their
+/// faces, and keeps the first two in the file's `texcoords` and `colors`.
 class CornerAttributes {
  public:
   /// @param file  whose `n_vertices` are known.
-  CornerAttributes(CanonicalFile& file, bool has_texcoords, bool has_colors);
+  CornerAttributes(CanonicalFile& file, bool has_texcoords, bool has_colors, bool has_materials = false);
 
   /// The vertex or copy of a corner.
-  std::uint32_t vertex_for(std::uint32_t vertex, const glm::vec2& texcoord, const LinearRgb& color);
+  std::uint32_t vertex_for(std::uint32_t vertex, const glm::vec2& texcoord, const LinearRgb& color,
+                           std::uint32_t material = 0);
   /// Tells the file its copies, and gives them what else the vertices have.
   void finish();
 
  private:
   CanonicalFile& file_;
-  bool has_texcoords_, has_colors_;
+  bool has_texcoords_, has_colors_, has_materials_;
   CornerSplitter splitter_;
   ValueNumbers color_numbers_;
 };

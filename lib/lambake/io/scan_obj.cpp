@@ -24,15 +24,34 @@ namespace {
 
 constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
 
-/// Joins lines that end with a backslash to the next, in place; `joined` gets where the backslashes were.
+/// Whether a line ends in a comment.
+bool has_comment(std::string_view line) {
+  for (std::size_t i = line.find('#'); i != std::string_view::npos; i = line.find('#', i + 1))
+    if (i == 0 || line[i - 1] == ' ' || line[i - 1] == '\t') return true;
+  return false;
+}
+
+/// Joins lines that end with a backslash to the next, in place; `joined` gets where the backslashes were. Not
+/// those of comments: paths in them may well end so.
 void join_continued_lines(std::span<char> text, std::vector<const char*>& joined) {
   joined.clear();
-  for (auto at = text.begin(); (at = std::find(at, text.end(), '\\')) != text.end();) {
-    const auto next = at + 1;
-    const bool is_cr_lf = text.end() - next >= 2 && next[0] == '\r' && next[1] == '\n';
-    const bool is_newline = next != text.end() && (*next == '\n' || *next == '\r');
-    if (is_newline) joined.push_back(&*at);
-    at = is_cr_lf || is_newline ? std::fill_n(at, is_cr_lf ? 3 : 2, ' ') : next;
+  std::size_t begin = 0;  // Of what may hold the line that the next backslash ends.
+  const std::string_view all(text.data(), text.size());
+  for (std::size_t at = 0; (at = all.find('\\', at)) != std::string_view::npos;) {
+    const bool is_cr_lf = all.substr(at + 1, 2) == "\r\n";
+    if (!is_cr_lf && (at + 1 == all.size() || (all[at + 1] != '\n' && all[at + 1] != '\r'))) {
+      ++at;
+      continue;
+    }
+    const std::size_t newline = all.substr(begin, at - begin).find_last_of("\r\n");
+    const std::size_t line = newline == std::string_view::npos ? begin : begin + newline + 1;
+    const std::size_t end = at + (is_cr_lf ? 3 : 2);
+    if (!has_comment(all.substr(line, at - line))) {
+      joined.push_back(&text[at]);
+      std::fill(text.begin() + static_cast<std::ptrdiff_t>(at),
+                text.begin() + static_cast<std::ptrdiff_t>(end), ' ');
+    }
+    begin = at = end;
   }
 }
 
@@ -221,7 +240,7 @@ class ObjScan {
     if (!splitter_) return corner.vertex;
     using Key = CornerSplitter::Key;
     const std::uint32_t id = splitter_->vertex_for(
-        corner.vertex, Key{corner.texcoord, corner.normal, material}, [this](const Key& a, const Key& b) {
+        corner.vertex, Key{corner.texcoord, corner.normal, material, 0}, [this](const Key& a, const Key& b) {
           return a[2] == b[2] && is_same(texcoords_, a[0], b[0]) && is_same(normals_, a[1], b[1]);
         });
     set(file_.texcoords, id, texcoords_, corner.texcoord);

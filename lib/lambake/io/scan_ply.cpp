@@ -284,7 +284,7 @@ class PlyScan {
     const bool vertex_has_colors = std::any_of(vertex.properties.begin(), vertex.properties.end(),
                                                [](const auto& p) { return role_in_vertex(p) == Role::red; });
     const bool has_colors = channels[0] && channels[1] && channels[2] && !vertex_has_colors;
-    corner_attributes_.emplace(file_, has_texcoords, has_colors);
+    corner_attributes_.emplace(file_, has_texcoords, has_colors, has_texture);
     face_rows_.reserve(16 * element.count);  // Of triangles.
 
     std::vector<std::uint32_t> corners;
@@ -317,14 +317,15 @@ class PlyScan {
             skip(property);
         }
       }
-      if (has_texture) file_.face_materials.push_back(material_of_texture(texture));
-      if (has_colors || has_texcoords) {
+      const std::uint32_t material = has_texture ? material_of_texture(texture) : 0;
+      if (has_texture) file_.face_materials.push_back(material);
+      if (has_colors || has_texcoords || has_texture) {
         const LinearRgb c{color[0], color[1], color[2]};
         const bool is_mapped = texcoords.size() == 2 * corners.size();
         n_odd_texcoords += has_texcoords && !is_mapped;
         for (std::size_t i = 0; i < corners.size(); ++i) {
           const glm::vec2 t = is_mapped ? glm::vec2(texcoords[2 * i], texcoords[2 * i + 1]) : glm::vec2(0);
-          corners[i] = corner_attributes_->vertex_for(corners[i], t, c);
+          corners[i] = corner_attributes_->vertex_for(corners[i], t, c, material);
         }
       }
       append_face(corners);
