@@ -89,6 +89,22 @@ TEST(NormalSums, AnyShapePlaceAndSize_AsInDouble) {
               << static_cast<int>(weight) << " " << stretch << " " << offset << " " << scale;
 }
 
+TEST(NormalSums, FacesFarSmallerAndLargerThanTheMesh_AsInDouble) {
+  // The size of a mesh is taken from a thousand of its vertices.
+  for (const float scale : {1e-9f, 1e-14f, 1e12f, 1e17f}) {
+    Mesh mesh = patch(1, 0, 1);
+    const Mesh other = patch(1, 0, scale);
+    const auto n = static_cast<std::uint32_t>(mesh.n_vertices());
+    for (int copies = 0; copies < (scale > 1 ? 1 : 2); ++copies) {
+      mesh.positions.insert(mesh.positions.end(), other.positions.begin(), other.positions.end());
+      const auto first = n + static_cast<std::uint32_t>(copies * other.n_vertices());
+      for (const glm::uvec3& t : other.triangles) mesh.triangles.push_back(t + first);
+    }
+    for (const NormalWeight weight : every_weight)
+      EXPECT_LT(worst_difference(mesh, weight), 4e-7) << static_cast<int>(weight) << " " << scale;
+  }
+}
+
 /// n triangles around a lopsided tip, vertex 0.
 Mesh needles(std::uint32_t n) {
   Random random;
