@@ -268,7 +268,7 @@ TEST_F(MeshFileTest, ObjLineContinuationsAndRelativeIndices_AreRead) {
 TEST_F(MeshFileTest, ObjCommentsThatEndWithABackslash_AreNotContinued) {
   const SceneFile file = read("a.obj",
                               "# C:\\models\\\nv 0 0 0\n  # again\\\r\nv 1 0 \\\n0\nv 0 1 0 # and\\\n"
-                              "f 1 \\\n2 3 # here\\\nf 3 2 1\n");
+                              "f 1 \\\n2 3 # here\\\nf 3 2 1\\");
   EXPECT_EQ(file.scene.mesh.triangles, (std::vector<glm::uvec3>{{0, 1, 2}, {2, 1, 0}}));
 }
 

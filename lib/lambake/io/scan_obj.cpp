@@ -38,8 +38,9 @@ void join_continued_lines(std::span<char> text, std::vector<const char*>& joined
   std::size_t begin = 0;  // Of what may hold the line that the next backslash ends.
   const std::string_view all(text.data(), text.size());
   for (std::size_t at = 0; (at = all.find('\\', at)) != std::string_view::npos;) {
-    const bool is_cr_lf = all.substr(at + 1, 2) == "\r\n";
-    if (!is_cr_lf && (at + 1 == all.size() || (all[at + 1] != '\n' && all[at + 1] != '\r'))) {
+    const bool is_cr_lf = all.substr(at + 1, 2) == "\r\n", is_last = at + 1 == all.size();
+    if (is_last) text[at] = ' ';  // Nothing comes that it could be continued with.
+    if (is_last || (all[at + 1] != '\n' && all[at + 1] != '\r')) {
       ++at;
       continue;
     }
