@@ -296,6 +296,24 @@ TEST(CertificateOfFile, EmissionThatIsNotWritten_HasNoBound) {
   EXPECT_EQ(count_of(c.baked.findings, "certificate_not_of_file"), 1U);
 }
 
+// What is left out on reading stays in the file.
+TEST(CertificateOfFile, TexturesThatAreNotRead_HaveNoBound) {
+  Scene scene = scene_of(icosphere(1), {sun({0, 1, 0})});
+  write_asset(temporary_file("in.gltf"), scene);
+  auto json = nlohmann::ordered_json::parse(read_bytes(temporary_file("in.gltf")));
+  json["textures"] = {nlohmann::ordered_json::object()};  // Without a source.
+  for (const char* key : {"baseColorTexture", "emissiveTexture"}) {
+    auto with = json;
+    const bool is_base = std::string(key) == "baseColorTexture";
+    auto& material = with["materials"][0];
+    (is_base ? material["pbrMetallicRoughness"] : material)[key] = {{"index", 0}};
+    write_bytes(temporary_file("unread.gltf"), with.dump());
+    const SceneFile file = read_gltf_file(temporary_file("unread.gltf"), {});
+    // No emission, no need of its texture.
+    EXPECT_EQ(count_of(gltf_output(file, {}).gaps, "certificate_not_of_file"), is_base ? 1U : 0U) << key;
+  }
+}
+
 // An exposure scales what is baked, not the materials that are written back.
 TEST(CertificateOfFile, EmissionThatStaysAsInTheFile_HasNoBoundIfAnotherIsBaked) {
   Scene scene = scene_of(icosphere(1), {sun({0, 1, 0})});

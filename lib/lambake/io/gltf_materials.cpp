@@ -145,4 +145,12 @@ LinearRgb emission_in_file(const GltfAsset& asset, std::size_t material) {
   return emission_of_file(asset.model.materials[material], asset.json["materials"][material]);
 }
 
+bool has_unread_texture(const GltfAsset& asset, const Scene& scene, std::size_t material) {
+  if (material >= asset.model.materials.size()) return false;  // The default one.
+  const tinygltf::Material& from = asset.model.materials[material];
+  const Material& read = scene.materials[material];
+  return (from.pbrMetallicRoughness.baseColorTexture.index >= 0 && read.base_color_texture == no_texture) ||
+         (from.emissiveTexture.index >= 0 && read.emission_texture == no_texture && has_emission(read));
+}
+
 }  // namespace lambake

@@ -15,4 +15,8 @@ void read_gltf_materials(const GltfAsset& asset, Scene& scene, Findings& finding
 /// The emission that the file gives to one of the scene's materials, but for the texture.
 LinearRgb emission_in_file(const GltfAsset& asset, std::size_t material);
 
+/// Whether the file gives one of the scene's materials a texture of base colour, or of emission where it
+/// emits, that the scene has not: it was left out.
+bool has_unread_texture(const GltfAsset& asset, const Scene& scene, std::size_t material);
+
 }  // namespace lambake

@@ -301,6 +301,11 @@ ColorOutput gltf_asset_output(const GltfAsset& asset, const Scene& scene, const 
       "that it has interpolated");
   add_finding(output.gaps, "certificate_not_of_file", count_other_emissions(asset, scene, options),
               other_emissions_text);
+  std::size_t n_unread = 0;
+  for (std::size_t m = 0; m < is_used.size(); ++m)
+    n_unread += is_used[m] && !scene.materials[m].is_unlit && has_unread_texture(asset, scene, m);
+  add_finding(output.gaps, "certificate_not_of_file", n_unread,
+              "material[ has a texture that is|s have textures that are] not read but shown from the file");
   return output;
 }
 
