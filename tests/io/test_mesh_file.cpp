@@ -164,6 +164,14 @@ TEST_F(MeshFileTest, ObjCornersThatDiffer_SplitTheirVertexAndOnlyIt) {
   EXPECT_EQ(count_of(file, "split_vertices"), 1u);
 }
 
+TEST_F(MeshFileTest, ObjVertexOfManyKinds_HasOneCopyForEachValue) {
+  std::string text = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+  constexpr std::size_t n_values = 100;
+  for (std::size_t i = 0; i < 2 * n_values; ++i)  // Each value twice, with two numbers.
+    text += "vt 0." + std::to_string(i % n_values) + "5 0\nf 1/" + std::to_string(i + 1) + " 2/1 3/1\n";
+  EXPECT_EQ(read("a.obj", text).scene.mesh.n_vertices(), 3 + n_values - 1);
+}
+
 TEST_F(MeshFileTest, ObjWhoseAttributesBeginLate_SplitsAsIfTheyHadBegunAtOnce) {
   // Vertices 2 and 3 come without a texture coordinate first, then with one.
   const Mesh mesh =

@@ -15,4 +15,11 @@ std::uint32_t CornerSplitter::add_kind(std::uint32_t vertex, const Key& key, std
   return kinds_[kind].id;
 }
 
+std::uint32_t CornerSplitter::add_further_kind(std::uint32_t vertex, const Key& key, std::uint64_t hash) {
+  further_.emplace(hash, static_cast<std::uint32_t>(kinds_.size()));
+  kinds_.push_back({key, static_cast<std::uint32_t>(first_.size() + copied_.size()), none});
+  copied_.push_back(vertex);
+  return kinds_.back().id;
+}
+
 }  // namespace lambake

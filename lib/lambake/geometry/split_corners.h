@@ -3,7 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -16,20 +16,42 @@ class CornerSplitter {
  public:
   using Key = std::array<std::uint32_t, 4>;  ///< Whatever tells two kinds of corners apart.
 
+  /// Equal keys are of one kind.
+  struct Equal {
+    bool operator()(const Key& a, const Key& b) const { return a == b; }
+    std::uint64_t hash(const Key& key) const {
+      std::uint64_t h = 0;
+      for (const std::uint32_t word : key) h = mixed(h, word);
+      return h;
+    }
+  };
+  static std::uint64_t mixed(std::uint64_t hash, std::uint32_t word) {
+    hash = (hash ^ word) * 0x9E3779B97F4A7C15U;
+    return hash ^ hash >> 32;
+  }
+
   explicit CornerSplitter(std::size_t n_vertices) : first_(n_vertices, none) {
     kinds_.reserve(n_vertices);  // Most vertices have one.
   }
 
-  /// The vertex of a corner at `vertex` (< V) of kind `key`. O(kinds at the vertex).
-  /// @param is_same  whether two keys are of one kind, if other keys than equal ones are.
-  template <typename IsSame = std::equal_to<Key>>
-  std::uint32_t vertex_for(std::uint32_t vertex, const Key& key, IsSame&& is_same = {}) {
+  /// The vertex of a corner at `vertex` (< V) of kind `key`.
+  /// @param is_same  whether two keys are of one kind; its `hash` is alike for those that are.
+  template <typename IsSame = Equal>
+  std::uint32_t vertex_for(std::uint32_t vertex, const Key& key, const IsSame& is_same = {}) {
     std::uint32_t last = none;
-    for (std::uint32_t k = first_[vertex]; k != none; k = kinds_[k].next) {
+    std::size_t n = 0;
+    for (std::uint32_t k = first_[vertex]; k != none; k = kinds_[k].next, ++n) {
       if (is_same(kinds_[k].key, key)) return kinds_[k].id;
       last = k;
     }
-    return add_kind(vertex, key, last);
+    if (n < longest_chain) return add_kind(vertex, key, last);
+    const std::uint64_t hash = mixed(is_same.hash(key), vertex);
+    const auto [begin, end] = further_.equal_range(hash);
+    for (auto it = begin; it != end; ++it) {
+      const Kind& kind = kinds_[it->second];
+      if (vertex_of_copy(kind.id) == vertex && is_same(kind.key, key)) return kind.id;
+    }
+    return add_further_kind(vertex, key, hash);
   }
 
   /// The vertex of each copy; takes them away.
@@ -37,8 +59,12 @@ class CornerSplitter {
 
  private:
   static constexpr std::uint32_t none = 0xffffffffU;
+  static constexpr std::size_t longest_chain = 32;
   /// @param last  index of the vertex's last kind, or none.
   std::uint32_t add_kind(std::uint32_t vertex, const Key& key, std::uint32_t last);
+
+  std::uint32_t add_further_kind(std::uint32_t vertex, const Key& key, std::uint64_t hash);
+  std::uint32_t vertex_of_copy(std::uint32_t id) const { return copied_[id - first_.size()]; }
 
   struct Kind {
     Key key;
@@ -47,6 +73,7 @@ class CornerSplitter {
   };
   std::vector<std::uint32_t> first_;  // V: index of the vertex's first kind.
   std::vector<Kind> kinds_;
+  std::unordered_multimap<std::uint64_t, std::uint32_t> further_;  // Kinds beyond those of a chain, by hash.
   std::vector<std::uint32_t> copied_;
 };
 

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -55,6 +56,30 @@ void join_continued_lines(std::span<char> text, std::vector<const char*>& joined
     begin = at = end;
   }
 }
+
+/// Corners are of one kind if their texture coordinates and normals have the same values, bit by bit.
+struct SameValues {
+  const std::vector<glm::vec2>& texcoords;
+  const std::vector<glm::vec3>& normals;
+
+  bool operator()(const CornerSplitter::Key& a, const CornerSplitter::Key& b) const {
+    return a[2] == b[2] && is_same(texcoords, a[0], b[0]) && is_same(normals, a[1], b[1]);
+  }
+  std::uint64_t hash(const CornerSplitter::Key& key) const {
+    std::uint64_t h = key[2];
+    if (key[0] != none)
+      for (int c = 0; c < 2; ++c)
+        h = CornerSplitter::mixed(h, std::bit_cast<std::uint32_t>(texcoords[key[0]][c]));
+    if (key[1] != none)
+      for (int c = 0; c < 3; ++c)
+        h = CornerSplitter::mixed(h, std::bit_cast<std::uint32_t>(normals[key[1]][c]));
+    return h;
+  }
+  template <typename T>
+  static bool is_same(const std::vector<T>& values, std::uint32_t i, std::uint32_t k) {
+    return i == k || (i != none && k != none && std::memcmp(&values[i], &values[k], sizeof(T)) == 0);
+  }
+};
 
 class ObjScan {
  public:
@@ -239,19 +264,11 @@ class ObjScan {
   /// The vertex or copy of a corner; gives it the attributes of the corner.
   std::uint32_t id_of(const Corner& corner, std::uint32_t material) {
     if (!splitter_) return corner.vertex;
-    using Key = CornerSplitter::Key;
     const std::uint32_t id = splitter_->vertex_for(
-        corner.vertex, Key{corner.texcoord, corner.normal, material, 0}, [this](const Key& a, const Key& b) {
-          return a[2] == b[2] && is_same(texcoords_, a[0], b[0]) && is_same(normals_, a[1], b[1]);
-        });
+        corner.vertex, {corner.texcoord, corner.normal, material, 0}, SameValues{texcoords_, normals_});
     set(file_.texcoords, id, texcoords_, corner.texcoord);
     set(file_.normals, id, normals_, corner.normal);
     return id;
-  }
-  /// True for two indices of equal values, bit by bit.
-  template <typename T>
-  static bool is_same(const std::vector<T>& values, std::uint32_t i, std::uint32_t k) {
-    return i == k || (i != none && k != none && std::memcmp(&values[i], &values[k], sizeof(T)) == 0);
   }
   template <typename T>
   static void set(std::vector<T>& of_vertices, std::uint32_t id, const std::vector<T>& of_file,
