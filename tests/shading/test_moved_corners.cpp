@@ -4,17 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <random>
+
+#include "shading/random.h"
 
 namespace lambake {
 namespace {
-
-struct Random {
-  std::mt19937_64 engine;
-  double operator()(double low, double high) {
-    return low + (high - low) * static_cast<double>(engine() >> 11) * 0x1p-53;
-  }
-};
 
 Patch random_patch(Random& random) {
   Patch patch;

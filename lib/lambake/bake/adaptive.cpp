@@ -252,8 +252,8 @@ class AdaptiveBake {
   std::size_t n_moved() const {
     std::size_t n = 0;
     for (std::uint32_t f = 0; f < bounds_.size(); ++f)
-      n += bounds_[f] > options_.tolerance && std::isfinite(bounds_[f]) && has_direction(f) &&
-           !can_be_mended(f, options_.tolerance);
+      n += bounds_[f] > options_.tolerance && std::isfinite(bounds_[f]) &&
+           is_rounded_too_far(f, options_.tolerance);
     return n;
   }
 
@@ -297,11 +297,10 @@ class AdaptiveBake {
                                    options_.tolerance_space);
   }
 
-  /// Whether cutting a triangle can bring it below `level`: not where its normals have no direction, or the
-  /// rounding of its corners alone takes half of that.
-  bool can_be_mended(std::uint32_t f, double level) const {
-    return has_direction(f) && change_by_rounding(f, colors_.patch(cut_.mesh().triangles[f]),
-                                                  finishes_.over(cut_.mesh(), f)) <= 0.5 * level;
+  /// Whether the rounding of a triangle's corners takes half of `level`: no cut mends that.
+  bool is_rounded_too_far(std::uint32_t f, double level) const {
+    return change_by_rounding(f, colors_.patch(cut_.mesh().triangles[f]), finishes_.over(cut_.mesh(), f)) >
+           0.5 * level;
   }
 
   /// The error along the side between the vertices a and b; t from the lower place to the higher.
@@ -319,7 +318,7 @@ class AdaptiveBake {
   std::vector<CutMark> find_marks(const std::vector<std::uint32_t>& active, double level, bool is_thorough) {
     std::vector<std::uint32_t> open;
     for (const std::uint32_t f : active)
-      if (bounds_[f] > level && can_be_mended(f, level)) open.push_back(f);
+      if (bounds_[f] > level && has_direction(f) && !is_rounded_too_far(f, level)) open.push_back(f);
     struct Candidate {
       std::uint32_t low = 0, high = 0;
       double error = -1, t = 0;

@@ -31,12 +31,12 @@ bool has_color(const GltfAsset& asset, const PlacedPrimitive& placed) {
   return asset.model.meshes[placed.mesh].primitives[placed.primitive].attributes.contains("COLOR_0");
 }
 
-/// An unlit material shows no emission of its own, so that it goes into the vertex colours: base ⊗ c = base ⊗
-/// E
-/// + Le needs a base colour that is the same all over the surface and nowhere 0 where there is emission.
+/// An unlit material shows no emission of its own, so that it goes into the vertex colours.
 bool needs_emission(const Material& material, const GltfWriteOptions& options) {
   return options.mark_unlit && replaces_color(options) && has_emission(material);
 }
+/// base ⊗ c = base ⊗ E + Le needs a base colour that is the same all over the surface, and not 0 where there
+/// is emission.
 bool can_write_emission(const Material& material) {
   const LinearRgb& base = material.base_color;
   const LinearRgb& emission = material.emission;
