@@ -64,6 +64,7 @@ std::string write_skinned(const std::vector<std::vector<int>>& joints,
     nodes.push_back({{"translation", {0, 0, 0}}});
     scene_nodes.push_back(j + 1), joint_nodes.push_back(j + 1);
   }
+  const std::filesystem::path bin_path = temporary_file("skinned.bin");
   const json document = {{"asset", {{"version", "2.0"}}},
                          {"scene", 0},
                          {"scenes", {{{"nodes", scene_nodes}}}},
@@ -72,9 +73,9 @@ std::string write_skinned(const std::vector<std::vector<int>>& joints,
                          {"meshes", {{{"primitives", {{{"attributes", attributes}}}}}}},
                          {"accessors", accessors},
                          {"bufferViews", views},
-                         {"buffers", {{{"byteLength", bin.size()}, {"uri", "skinned.bin"}}}}};
+                         {"buffers", {{{"byteLength", bin.size()}, {"uri", bin_path.filename().string()}}}}};
+  write_bytes(bin_path.string(), bin);
   const std::string path = temporary_file("skinned.gltf");
-  write_bytes((std::filesystem::path(path).parent_path() / "skinned.bin").string(), bin);
   write_bytes(path, document.dump());
   return path;
 }
