@@ -225,6 +225,83 @@ TEST(HostileGltf, EachSpoiltPart_IsRefusedInOneLineThatNamesIt) {
   }
 }
 
+/// The triangle with a member of every kind that lambake reads; whole numbers are written as such, others
+/// with a point.
+ordered_json lit_triangle() {
+  ordered_json json = triangle();
+  json.update(ordered_json::parse(R"({
+    "scenes": [{"name": "s", "nodes": [0, 1, 2]}],
+    "nodes": [{"name": "n", "mesh": 0, "translation": [0.5, 0.5, 0.5], "rotation": [0.5, 0.5, 0.5, 0.5],
+               "scale": [0.5, 0.5, 0.5], "weights": [0.5]},
+              {"extensions": {"KHR_lights_punctual": {"light": 0}}},
+              {"camera": 0, "children": [3, 4]},
+              {"camera": 1},
+              {"matrix": [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0]}],
+    "cameras": [{"name": "c", "type": "perspective", "perspective": {"yfov": 0.5, "znear": 0.5, "zfar": 9.5}},
+                {"type": "orthographic", "orthographic": {"xmag": 0.5, "ymag": 0.5, "znear": 0.5, "zfar": 9.5}}],
+    "extensions": {"KHR_lights_punctual": {"lights": [
+      {"name": "l", "type": "spot", "color": [0.5, 0.5, 0.5], "intensity": 0.5, "range": 0.5,
+       "spot": {"innerConeAngle": 0.25, "outerConeAngle": 0.5}}]}},
+    "extensionsUsed": ["KHR_lights_punctual"],
+    "meshes": [{"name": "m", "weights": [0.5], "primitives": [
+      {"attributes": {"POSITION": 0}, "targets": [{"POSITION": 0}], "indices": 1, "mode": 4, "material": 0}]}],
+    "materials": [{"name": "m", "alphaCutoff": 0.5, "alphaMode": "MASK", "doubleSided": false,
+      "emissiveFactor": [0.5, 0.5, 0.5],
+      "emissiveTexture": {"index": 0, "texCoord": 0},
+      "pbrMetallicRoughness": {"baseColorFactor": [0.5, 0.5, 0.5, 0.5],
+        "baseColorTexture": {"index": 0, "texCoord": 0, "extensions": {"KHR_texture_transform":
+          {"offset": [0.5, 0.5], "rotation": 0.5, "scale": [0.5, 0.5], "texCoord": 1}}}},
+      "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 0.5}}}],
+    "textures": [{"source": 0, "sampler": 0}],
+    "samplers": [{"magFilter": 9728, "wrapS": 10497, "wrapT": 10497}],
+    "images": [{"mimeType": "image/png", "uri": "data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNk+M9QDwADhgGAWjR9awAAAABJRU5ErkJggg=="}]
+  })"));
+  json["accessors"][0].update({{"byteOffset", 0}, {"normalized", false}});
+  return json;
+}
+
+/// How messages write a place: nodes[0].mesh for /nodes/0/mesh.
+std::string place_of(const ordered_json::json_pointer& pointer) {
+  if (pointer.empty()) return "";
+  const std::string& key = pointer.back();
+  const std::string before = place_of(pointer.parent_pointer());
+  if (std::isdigit(key[0]) != 0) return before + "[" + key + "]";
+  return before.empty() ? key : before + "." + key;
+}
+
+TEST(HostileGltf, EachMemberOfAnotherType_IsRefusedByItsPlace) {
+  const ordered_json sound = lit_triangle();
+  ASSERT_EQ(outcome_of(sound.dump()), std::make_pair(std::string(), 0));
+  std::vector<ordered_json::json_pointer> places;
+  const std::function<void(const ordered_json::json_pointer&)> collect = [&](const auto& place) {
+    const ordered_json& value = sound.at(place);
+    if (!place.empty()) places.push_back(place);
+    if (value.is_object())
+      for (const auto& [key, unused] : value.items()) collect(place / key);
+    if (value.is_array())
+      for (std::size_t i = 0; i < value.size(); ++i) collect(place / i);
+  };
+  collect(ordered_json::json_pointer());
+  ASSERT_GT(places.size(), 150U);
+  const std::vector<ordered_json> others{"x", 1.5, -7, true, {1, 2}, {{"a", 1}}};
+  for (const auto& place : places)
+    for (const ordered_json& other : others) {
+      const ordered_json& value = sound.at(place);
+      const bool is_whole = value.is_number_unsigned();
+      if (is_whole ? other.is_number_unsigned()
+                   : value.type() == other.type() || (value.is_number() && other.is_number()))
+        continue;
+      SCOPED_TRACE(place.to_string() + " " + other.dump());
+      ordered_json json = sound;
+      json.at(place) = other;
+      const auto [message, exit_code] = outcome_of(json.dump());
+      EXPECT_EQ(exit_code, 3) << message;
+      // Of the numbers of a vector, the vector is named.
+      EXPECT_NE(message.find(place_of(value.is_number() ? place.parent_pointer() : place)), std::string::npos)
+          << message;
+    }
+}
+
 TEST(HostileGltf, NanInAMatrix_IsNoJson) {
   std::string text = triangle().dump();
   text.replace(text.find("\"mesh\":0"), 8, "\"mesh\":0,\"translation\":[NaN,0,0]");

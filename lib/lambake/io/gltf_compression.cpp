@@ -46,14 +46,10 @@ class Decompressor {
  private:
   [[noreturn]] void fail(const std::string& text) const { throw IoError(source_.path, where_ + ": " + text); }
 
-  std::uint64_t number(const GltfJson& json, const char* key, std::uint64_t fallback = 0) const {
-    return unsigned_member(source_, json, key, fallback, where_);
-  }
-
   /// The bytes [offset, offset + length) of a buffer of the file.
   std::span<const unsigned char> bytes_of(const GltfJson& json) const {
-    const std::uint64_t buffer = number(json, "buffer"), offset = number(json, "byteOffset"),
-                        length = number(json, "byteLength");
+    const std::uint64_t buffer = whole_or(json, "buffer", 0), offset = whole_or(json, "byteOffset", 0),
+                        length = whole_or(json, "byteLength", 0);
     if (buffer >= n_file_buffers_)
       fail(fmt::format("expected a buffer below {}, found {}", n_file_buffers_, buffer));
     const std::vector<unsigned char>& bytes = buffers_[buffer];
@@ -66,7 +62,8 @@ class Decompressor {
   void decode_view(std::size_t index, const GltfJson& extension) {
     where_ = fmt::format("bufferViews[{}].extensions.EXT_meshopt_compression", index);
     const std::span<const unsigned char> packed = bytes_of(extension);
-    const std::uint64_t count = number(extension, "count"), stride = number(extension, "byteStride");
+    const std::uint64_t count = whole_or(extension, "count", 0),
+                        stride = whole_or(extension, "byteStride", 0);
     const std::string mode = text(extension, "mode", ""), filter = text(extension, "filter", "NONE");
     if (stride == 0 || stride > 256) fail(fmt::format("expected a byteStride of 1 to 256, found {}", stride));
     if (count == 0 || count > packed.size() * largest_meshopt_ratio / stride + 64)
@@ -95,9 +92,9 @@ class Decompressor {
     view.erase("extensions");
   }
 
-  std::string text(const GltfJson& json, const char* key, const char* fallback) const {
+  static std::string text(const GltfJson& json, const char* key, const char* fallback) {
     const GltfJson& value = member(json, key);
-    return value.is_string() ? value.get<std::string>() : fallback;
+    return value.is_null() ? fallback : value.get<std::string>();
   }
 
   std::size_t add_buffer(std::vector<unsigned char> bytes) {
@@ -107,7 +104,7 @@ class Decompressor {
   }
 
   void decode_draco(GltfJson& primitive, const GltfJson& extension) {
-    const std::uint64_t view = number(extension, "bufferView");
+    const std::uint64_t view = whole_or(extension, "bufferView", 0);
     if (view >= member(source_.json, "bufferViews").size())
       fail(fmt::format("expected a buffer view that there is, found {}", view));
     const std::span<const unsigned char> packed = bytes_of(source_.json["bufferViews"][view]);
@@ -133,21 +130,20 @@ class Decompressor {
     }
     for (const auto& [semantic, id] : member(extension, "attributes").items()) {
       const GltfJson& index = member(member(primitive, "attributes"), semantic.c_str());
-      const draco::PointAttribute* attribute =
-          id.is_number_unsigned() ? mesh->GetAttributeByUniqueId(id.get<std::uint32_t>()) : nullptr;
+      const draco::PointAttribute* attribute = mesh->GetAttributeByUniqueId(id.get<std::uint32_t>());
       if (index.is_null() || attribute == nullptr) fail("the Draco stream has no attribute for " + semantic);
       decode_attribute(*mesh, *attribute, accessor_at(index));
     }
   }
 
   GltfJson& accessor_at(const GltfJson& index) {
-    if (!index.is_number_unsigned() || index.get<std::size_t>() >= member(plain_, "accessors").size())
+    if (index.get<std::size_t>() >= member(plain_, "accessors").size())
       fail("expected an accessor that there is, found " + index.dump());
     return plain_["accessors"][index.get<std::size_t>()];
   }
 
   void decode_attribute(const draco::Mesh& mesh, const draco::PointAttribute& attribute, GltfJson& accessor) {
-    switch (number(accessor, "componentType")) {
+    switch (whole_or(accessor, "componentType", 0)) {
       case gltf::byte:
         return convert<std::int8_t>(mesh, attribute, accessor);
       case gltf::unsigned_byte:
@@ -186,9 +182,9 @@ class Decompressor {
 
   template <typename T>
   void fill(GltfJson& accessor, const std::vector<T>& values, std::uint64_t count) {
-    if (number(accessor, "count") != count)
+    if (whole_or(accessor, "count", 0) != count)
       fail(fmt::format("expected the accessor's count {}, found {} in the Draco stream",
-                       number(accessor, "count"), count));
+                       whole_or(accessor, "count", 0), count));
     std::vector<unsigned char> bytes(values.size() * sizeof(T));
     if (!bytes.empty()) std::memcpy(bytes.data(), values.data(), bytes.size());
     const std::size_t n_bytes = bytes.size();

@@ -27,10 +27,10 @@ std::optional<Light> read_gltf_light(const GltfAsset& asset, std::size_t node, c
       member(member(member(member(asset.json, "nodes")[node], "extensions"), "KHR_lights_punctual"), "light");
   if (reference.is_null()) return std::nullopt;
   const std::vector<tinygltf::Light>& lights = asset.model.lights;
-  if (!reference.is_number_unsigned() || reference.get<std::size_t>() >= lights.size())
-    throw IoError(asset.path, fmt::format("nodes[{}]: expected a light below {}, found {}", node,
-                                          lights.size(), reference.dump()));
   const auto index = reference.get<std::size_t>();
+  if (index >= lights.size())
+    throw IoError(asset.path,
+                  fmt::format("nodes[{}]: expected a light below {}, found {}", node, lights.size(), index));
   const tinygltf::Light& from = lights[index];
   const std::string where = fmt::format("extensions.KHR_lights_punctual.lights[{}]", index);
 

@@ -17,12 +17,12 @@ std::size_t index_of(int i) {
 }
 
 double number_or(const GltfJson& value, double fallback) {
-  return value.is_number() ? value.get<double>() : fallback;
+  return value.is_null() ? fallback : value.get<double>();
 }
 
-/// The three numbers of a colour, in [0, ∞); the specification's default where there are not three.
+/// A colour of at least three numbers, in [0, ∞); the specification's default where there are none.
 LinearRgb color_of(const std::vector<double>& values, const LinearRgb& fallback) {
-  if (values.size() < 3) return fallback;
+  if (values.empty()) return fallback;
   const auto channel = [&](std::size_t i) { return static_cast<float>(std::max(0.0, values[i])); };
   return {channel(0), channel(1), channel(2)};
 }
@@ -59,7 +59,7 @@ class MaterialReader {
     material.name = from.name;
     const std::vector<double>& factor = from.pbrMetallicRoughness.baseColorFactor;
     material.base_color = color_of(factor, {1, 1, 1});
-    if (factor.size() == 4) material.opacity = static_cast<float>(std::clamp(factor[3], 0.0, 1.0));
+    if (!factor.empty()) material.opacity = static_cast<float>(std::clamp(factor[3], 0.0, 1.0));
     material.base_color_texture =
         read_texture(from.pbrMetallicRoughness.baseColorTexture,
                      member(member(json, "pbrMetallicRoughness"), "baseColorTexture"));
@@ -102,8 +102,7 @@ class MaterialReader {
   static glm::mat3 transform_of(const GltfJson& json) {
     const auto at = [&](const char* key, std::size_t i, double fallback) {
       const GltfJson& values = member(json, key);
-      return static_cast<float>(values.is_array() && i < values.size() ? number_or(values[i], fallback)
-                                                                       : fallback);
+      return static_cast<float>(values.is_null() ? fallback : values[i].get<double>());
     };
     const float angle = static_cast<float>(number_or(member(json, "rotation"), 0));
     const float c = std::cos(angle), s = std::sin(angle);

@@ -34,7 +34,7 @@ void embed_images(const GltfAsset& asset, GltfDocument& document, Findings& find
   for (std::size_t i = 0; i < asset.model.images.size(); ++i) {
     GltfJson& image = document.json["images"][i];
     const GltfJson& uri = member(image, "uri");
-    if (!uri.is_string()) continue;
+    if (uri.is_null()) continue;
     const std::vector<unsigned char>& bytes = asset.model.images[i].image;
     const std::string mime_type = mime_type_of({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
     if (mime_type.empty()) {

@@ -11,6 +11,7 @@
 #include <string_view>
 
 #include "lambake/core/error.h"
+#include "lambake/io/gltf_types.h"
 
 namespace lambake {
 namespace {
@@ -130,7 +131,7 @@ void check_asset(const GltfSource& source) {
   if (text.substr(0, 2) != "2.")
     throw IoError(source.path, fmt::format("asset.version: expected \"2.0\", found \"{}\"", text));
   for (const GltfJson& name : member(source.json, "extensionsRequired"))
-    if (!name.is_string() || !is_known_extension(name.get<std::string>()))
+    if (!is_known_extension(name.get<std::string>()))
       throw IoError(source.path,
                     fmt::format("the file requires the extension {}, which is not known", name.dump()));
 }
@@ -139,7 +140,7 @@ std::vector<unsigned char> read_buffer(const GltfSource& source, std::size_t ind
                                        std::span<const unsigned char> bin) {
   const GltfJson& buffer = source.json["buffers"][index];
   const std::string where = fmt::format("buffers[{}]", index);
-  const std::uint64_t n_bytes = unsigned_member(source, buffer, "byteLength", 0, where);
+  const std::uint64_t n_bytes = whole_or(buffer, "byteLength", 0);
   const GltfJson& uri = member(buffer, "uri");
   if (uri.is_null()) {
     const GltfJson& meshopt = member(member(buffer, "extensions"), "EXT_meshopt_compression");
@@ -150,7 +151,6 @@ std::vector<unsigned char> read_buffer(const GltfSource& source, std::size_t ind
                                              n_bytes, bin.size()));
     return {bin.begin(), bin.begin() + static_cast<std::ptrdiff_t>(n_bytes)};
   }
-  if (!uri.is_string()) throw IoError(source.path, where + ".uri: expected a string");
   std::vector<unsigned char> bytes;
   const std::string& text = uri.get_ref<const std::string&>();
   if (text.starts_with("data:")) {
@@ -200,14 +200,9 @@ const GltfJson& member(const GltfJson& json, const char* key) {
   return it == json.end() ? none : *it;
 }
 
-std::uint64_t unsigned_member(const GltfSource& source, const GltfJson& json, const char* key,
-                              std::uint64_t fallback, const std::string& where) {
+std::uint64_t whole_or(const GltfJson& json, const char* key, std::uint64_t fallback) {
   const GltfJson& value = member(json, key);
-  if (value.is_null()) return fallback;
-  if (!value.is_number_unsigned())
-    throw IoError(source.path, fmt::format("{}.{}: expected a whole number of at least 0, found {}", where,
-                                           key, value.dump()));
-  return value;
+  return value.is_null() ? fallback : value.get<std::uint64_t>();
 }
 
 std::filesystem::path file_beside(const std::string& path, const std::string& uri) {
@@ -227,6 +222,7 @@ GltfSource read_gltf_source(const std::string& path) {
   const GlbChunks chunks = source.is_glb ? split_glb(bytes, path) : GlbChunks{bytes, {}};
   source.json = parse_json(chunks.json, path);
   if (!source.json.is_object()) throw IoError(path, "expected a JSON object");
+  check_gltf_types(path, source.json);
   check_asset(source);
   for (std::size_t i = 0; i < member(source.json, "buffers").size(); ++i)
     source.buffers.push_back(read_buffer(source, i, chunks.bin));

@@ -20,7 +20,8 @@ struct GltfSource {
 
 /// Reads the container, the JSON and all buffers.
 /// @throws IoError if the container's lengths do not fit the file, the JSON is none or nested deeper than 256
-///         levels, a buffer is missing or shorter than it says, or an extension is required that is unknown.
+///         levels, a member has another type than glTF gives it, a buffer is missing or shorter than it says,
+///         or an extension is required that is unknown.
 GltfSource read_gltf_source(const std::string& path);
 
 /// The file that a relative URI names, beside `path`.
@@ -35,9 +36,8 @@ bool is_known_extension(const std::string& name);
 /// The member `key` of an object, or null where there is none or `json` is no object.
 const GltfJson& member(const GltfJson& json, const char* key);
 
-/// A whole number of at least 0 in `json[key]`; `fallback` where there is none.
-/// @throws IoError (path, where) if it is something else.
-std::uint64_t unsigned_member(const GltfSource& source, const GltfJson& json, const char* key,
-                              std::uint64_t fallback, const std::string& where);
+/// A whole number of at least 0, as which check_gltf_types() knows `json[key]`; `fallback` where there is
+/// none.
+std::uint64_t whole_or(const GltfJson& json, const char* key, std::uint64_t fallback);
 
 }  // namespace lambake
