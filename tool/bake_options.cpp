@@ -7,19 +7,13 @@
 #include <filesystem>
 
 #include "lambake/core/error.h"
+#include "lambake/io/file_extension.h"
 #include "lambake/io/gltf.h"
 #include "lambake/io/ply_write.h"
 #include "options.h"
 
 namespace lambake::tool {
 namespace {
-
-std::string lower_extension(const std::string& path) {
-  std::string extension = std::filesystem::path(path).extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension;
-}
 
 ColorStorage storage_from(const std::string& name, ColorStorage fallback) {
   if (name.empty()) return fallback;
@@ -49,12 +43,14 @@ struct MethodOption {
   std::vector<std::string> methods;
 };
 const std::vector<MethodOption>& method_options() {
-  static const std::vector<MethodOption> options{{"--tolerance", {"adaptive", "auto"}},
-                                                 {"--tolerance-space", {"adaptive", "auto"}},
-                                                 {"--max-vertices", {"adaptive", "auto"}},
-                                                 {"--max-seconds", {"adaptive", "auto"}},
-                                                 {"--gradient-weight", {"least-squares", "auto"}},
-                                                 {"--levels", {"uniform"}}};
+  static const std::vector<MethodOption> options{
+      {"--tolerance", {"adaptive", "auto"}},
+      {"--tolerance-space", {"adaptive", "auto"}},
+      {"--max-vertices", {"adaptive", "auto"}},
+      {"--max-seconds", {"adaptive", "auto"}},
+      {"--gradient-weight", {"least-squares", "auto"}},
+      {"--levels", {"uniform"}},
+      {"--light-tolerance", {"sample", "face", "uniform", "auto"}}};
   return options;
 }
 
@@ -200,24 +196,24 @@ void add_output_options(CLI::App& command, OutputOptions& options) {
 }
 
 void check_baked_path(const std::string& path, const OutputOptions& options) {
-  const std::string extension = lower_extension(path);
-  if (extension == ".ply") {
+  const std::string extension = file_extension(path);
+  if (extension == "ply") {
     if (options.color == "u16") throw InvalidOption("--color u16: expected u8 or f32 for a .ply");
     return;
   }
-  if (extension != ".glb" && extension != ".gltf")
+  if (extension != "glb" && extension != "gltf")
     throw InvalidOption(fmt::format("-o {}: expected .glb, .gltf or .ply", path));
 }
 
 ColorOutput output_of(const std::string& path, const SceneFile& file, const OutputOptions& options) {
-  return lower_extension(path) == ".ply" ? ply_output(file.scene, ply_options(options))
-                                         : gltf_output(file, gltf_options(options));
+  return file_extension(path) == "ply" ? ply_output(file.scene, ply_options(options))
+                                       : gltf_output(file, gltf_options(options));
 }
 
 WrittenColors write_baked(const std::string& path, const SceneFile& file, const BakedColors& baked,
                           const OutputOptions& options) {
-  return lower_extension(path) == ".ply" ? write_ply_file(path, file.scene, baked, ply_options(options))
-                                         : write_gltf_file(path, file, baked, gltf_options(options));
+  return file_extension(path) == "ply" ? write_ply_file(path, file.scene, baked, ply_options(options))
+                                       : write_gltf_file(path, file, baked, gltf_options(options));
 }
 
 }  // namespace lambake::tool

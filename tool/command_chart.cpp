@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "commands.h"
+#include "lambake/core/digits.h"
 #include "lambake/core/version.h"
 #include "lambake/io/output_file.h"
 #include "lambake/io/output_folder.h"
@@ -65,7 +66,7 @@ int chart_and_write(const ChartCommand& command, const std::string& command_line
                "max/255");
     for (const MethodRun& m : run.methods)
       fmt::print("{:<28} {:>12.3g} {:>12} {:>10.3f} {:>10.3f}\n", m.label(), m.all_threads.median,
-                 group_digits(m.n_vertices), m.rmse * 255, m.max_bound * 255);
+                 group_digits(m.n_vertices), m.rmse * 255, round_up(m.max_bound * 255, 3));
     fmt::print("{}\n", (std::filesystem::path(command.folder) / "index.html").string());
   }
   return 0;

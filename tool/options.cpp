@@ -13,6 +13,7 @@
 #include "lambake/core/parallel.h"
 #include "lambake/geometry/creases.h"
 #include "lambake/geometry/robust_normals.h"
+#include "lambake/io/file_extension.h"
 #include "lambake/io/light_file.h"
 #include "lambake/render/framing.h"
 
@@ -263,8 +264,8 @@ glm::uvec2 picture_size(const CameraOptions& options) {
 }
 
 void check_picture_path(const std::string& path) {
-  const std::string extension = std::filesystem::path(path).extension().string();
-  if (extension != ".png" && extension != ".exr")
+  const std::string extension = file_extension(path);
+  if (extension != "png" && extension != "exr")
     throw InvalidOption(fmt::format("-o {}: expected .png or .exr", path));
 }
 

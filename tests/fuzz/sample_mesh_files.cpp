@@ -84,6 +84,8 @@ std::string om_version_1() {
   append(bytes, std::uint16_t{0x1600});  // Positions of vertices: three floats.
   for (const auto& p : corners)
     for (const float coordinate : p) append(bytes, coordinate);
+  append(bytes, std::uint16_t{0x1288});  // Colours of faces.
+  for (const std::uint8_t c : {255, 0, 0, 0, 255, 0}) append(bytes, c);
   append(bytes, std::uint16_t{0x00e8});  // Topology of faces: whole numbers of one byte.
   for (const std::uint8_t v : {0, 1, 4, 1, 2, 4}) append(bytes, v);
   return bytes;

@@ -87,6 +87,19 @@ TEST_F(HostileFiles, OmThatOpenMeshWrote_KeepsNormalsFaceColorsAndTexcoordsOfCor
             0u + 1 + 4);
 }
 
+TEST_F(HostileFiles, OmChunksThatTheVersionDoesNotHave_OrTwice_AreRefused) {
+  std::string om;
+  for (const SampleFile& sample : sample_mesh_files())
+    if (sample.name == "lists.om") om = sample.bytes;
+  const std::string faces = om.substr(om.size() - 8);
+  om[12] = 1;  // One edge: two half-edges.
+  EXPECT_FALSE(read("half.om", om.substr(0, om.size() - 8) + "\x58\x0e" + std::string(16, '\0') + faces));
+  EXPECT_NE(message.find("half-edges"), std::string::npos) << message;
+  om.insert(om.size() - 8, faces);
+  EXPECT_FALSE(read("twice.om", om));
+  EXPECT_NE(message.find("a second"), std::string::npos) << message;
+}
+
 TEST_F(HostileFiles, EveryTruncatedPrefix_IsRefused) {
   for (const SampleFile& sample : sample_mesh_files()) {
     SCOPED_TRACE(sample.name);

@@ -105,6 +105,16 @@ TEST(NormalSums, FacesFarSmallerAndLargerThanTheMesh_AsInDouble) {
   }
 }
 
+TEST(NormalSums, LargeSliversOutsideTheSample_AsInDouble) {
+  // Sides of 1e10 units, whose squares' product is past float, though the area is not.
+  Mesh mesh = patch(1, 0, 1);
+  const auto n = static_cast<std::uint32_t>(mesh.n_vertices());
+  mesh.positions.insert(mesh.positions.end(), {{0, 0, 1}, {1e10f, 1e3f, 1}, {1e10f, -1e3f, 1}});
+  mesh.triangles.emplace_back(n, n + 2, n + 1);
+  for (const NormalWeight weight : every_weight)
+    EXPECT_LT(worst_difference(mesh, weight), 4e-7) << static_cast<int>(weight);
+}
+
 /// n triangles around a lopsided tip, vertex 0.
 Mesh needles(std::uint32_t n) {
   Random random;

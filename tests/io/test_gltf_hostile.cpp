@@ -95,6 +95,25 @@ TEST(HostileGltf, EachSpoiltPart_IsRefusedInOneLineThatNamesIt) {
          j["nodes"][0]["translation"] = {1e300, 0, 0};
        },
        3, "nodes[0].translation"},
+      {"joints that are signed",
+       [](auto& j) {
+         j["accessors"].push_back({{"componentType", 5122}, {"count", 3}, {"type", "VEC4"}});
+         j["accessors"].push_back({{"componentType", 5126}, {"count", 3}, {"type", "VEC4"}});
+         j["meshes"][0]["primitives"][0]["attributes"].update({{"JOINTS_0", 2}, {"WEIGHTS_0", 3}});
+         j["skins"] = {{{"joints", {0}}}};
+         j["nodes"][0]["skin"] = 0;
+       },
+       3, "JOINTS_0"},
+      {"joints that are normalized",
+       [](auto& j) {
+         j["accessors"].push_back(
+             {{"componentType", 5121}, {"count", 3}, {"type", "VEC4"}, {"normalized", true}});
+         j["accessors"].push_back({{"componentType", 5126}, {"count", 3}, {"type", "VEC4"}});
+         j["meshes"][0]["primitives"][0]["attributes"].update({{"JOINTS_0", 2}, {"WEIGHTS_0", 3}});
+         j["skins"] = {{{"joints", {0}}}};
+         j["nodes"][0]["skin"] = 0;
+       },
+       3, "JOINTS_0"},
       {"matrices whose product overflows",
        [](auto& j) {
          j["nodes"] = {{{"children", {1}}, {"scale", {1e30, 1, 1}}}, {{"mesh", 0}, {"scale", {1e30, 1, 1}}}};

@@ -1,7 +1,13 @@
 #include <gtest/gtest.h>
 
-#include <cmath>
+#include <sys/stat.h>
 
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <thread>
+
+#include "io/glb_reader.h"
 #include "io/gltf_files.h"
 #include "lambake/bake/bake.h"
 #include "lambake/core/bounds.h"
@@ -31,6 +37,27 @@ TEST(ReadGltf, EveryRealFile_HasTheManifestsCounts_AndBakesWithoutNan) {
     file.scene.lights.emplace_back();
     const BakedColors baked = bake(file.scene, {});
     for (const LinearRgb& color : baked.colors) ASSERT_TRUE(is_finite(color));
+  }
+}
+
+TEST(ReadGltf, APipe_IsReadToo) {
+  const std::string path = temporary_file("pipe.glb");
+  std::filesystem::remove(path);
+  ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
+  const std::string bytes = read_bytes(meshes_folder() + "gltf/box01.glb");
+  std::thread writer([&] { std::ofstream(path, std::ios::binary) << bytes; });
+  const SceneFile file = read_gltf_file(path, {});
+  writer.join();
+  std::filesystem::remove(path);
+  EXPECT_EQ(file.n_faces, 12U);
+}
+
+TEST(ReadGltf, AFolder_IsNamedAsOne) {
+  try {
+    read_gltf_file(meshes_folder(), {});
+    FAIL();
+  } catch (const IoError& error) {
+    EXPECT_EQ(error.what(), meshes_folder() + ": expected a file, found a folder");
   }
 }
 

@@ -341,6 +341,15 @@ TEST_F(MeshFileTest, PlyTexturesOfFaces_SplitTheVerticesBetweenThem) {
   EXPECT_EQ(mesh.texcoords[0][mesh.triangles[1][1]], glm::vec2(1, 0));
 }
 
+TEST_F(MeshFileTest, PlyTextures_NamesInLatin1BecomeUtf8_NumbersThatAreNoneAreOfNone) {
+  std::string text = ply("", "property float texnumber\n", 3, 3,
+                         "0 0 0\n1 0 0\n1 1 0\n3 0 1 2 0\n3 0 1 2 nan\n3 0 1 2 1e300\n");
+  text.insert(text.find("element vertex"), "comment TextureFile gr\xFCn.png\n");
+  const Scene scene = read("a.ply", text).scene;
+  EXPECT_EQ(scene.materials[0].name, "gr\u00FCn.png");
+  EXPECT_EQ(scene.mesh.materials, (std::vector<std::uint32_t>{0, 1, 1}));
+}
+
 TEST_F(MeshFileTest, PlyTriangleStrips_WindAsOne) {
   const Mesh mesh =
       read("a.ply",

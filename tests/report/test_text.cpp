@@ -54,6 +54,13 @@ TEST(Numbers, ForPeople) {
   EXPECT_EQ(steps_of_255(0), "0");
   EXPECT_EQ(steps_of_255(1.0 / 255), "1/255");
   EXPECT_EQ(steps_of_255(1e-6), "< 0.01/255");
+  EXPECT_EQ(short_bound(12.31), "12.4");
+  EXPECT_EQ(short_bound(12345.2), "12\u202F346");
+  EXPECT_EQ(short_bound(1.51e-5), "1.6e-05");
+  EXPECT_EQ(short_bound(INFINITY), "∞");
+  EXPECT_EQ(bound_of_255(139.443 / 255), "140/255");
+  EXPECT_EQ(bound_of_255(1.0 / 255), "1/255");
+  EXPECT_EQ(bound_of_255(1e-6), "< 0.01/255");
   EXPECT_EQ(percent(0.123456), "12.3 %");
   EXPECT_EQ(percent(1e-6), "< 0.01 %");
   EXPECT_EQ(percent(0), "0 %");

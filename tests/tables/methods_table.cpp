@@ -96,7 +96,8 @@ void print_row(const Scene& scene, const std::string& name, const BakeOptions& o
   const SurfaceError error = surface_error(scene, baked, ErrorSpace::display);
   const double bound = certified_maximum(scene, baked, ErrorSpace::display);
   fmt::print("| {} | {} | {} | {:.3f} | {:.2f} | {:.2f} | {:.2f} |\n", name, mesh.n_vertices(),
-             mesh.n_triangles(), 255 * error.rmse, 255 * error.max_sampled, 255 * bound, seconds.count());
+             mesh.n_triangles(), 255 * error.rmse, 255 * error.max_sampled, round_up(255 * bound, 2),
+             seconds.count());
   std::fflush(stdout);
 }
 
@@ -143,8 +144,9 @@ void print_certified(const Model& model) {
   const Certificate& c = *baked.certificate;
   fmt::print("| {} | {} | {} | {} | {:.3f}/255{} | {:.2f}° → {:.3f}° |\n", model.name,
              group_digits(scene.mesh.n_triangles()), group_digits(baked.mesh->n_triangles()),
-             group_digits(model.limit), 255 * c.max_bound, c.is_certified ? "" : ", not certified",
-             glm::degrees(c.smallest_angle_before), glm::degrees(c.smallest_angle_after));
+             group_digits(model.limit), round_up(255 * c.max_bound, 3),
+             c.is_certified ? "" : ", not certified", glm::degrees(c.smallest_angle_before),
+             glm::degrees(c.smallest_angle_after));
   std::fflush(stdout);
 }
 

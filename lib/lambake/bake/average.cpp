@@ -17,10 +17,8 @@ BakedColors bake_average(const Scene& scene) {
   const LocalFrame local(scene);
   const std::vector<glm::vec3>& positions = local.positions();
   // Copies that share a normal share their faces too: a texture seam does not show.
-  const std::vector<std::uint32_t>& groups =
-      mesh.normal_groups.empty() ? mesh.source_vertices : mesh.normal_groups;
-  std::size_t n_groups = mesh.n_vertices();
-  for (const std::uint32_t g : groups) n_groups = std::max<std::size_t>(n_groups, g + 1);
+  const std::vector<std::uint32_t>& groups = mesh.shared_normals();
+  const std::size_t n_groups = count_of_numbers(groups, mesh.n_vertices());
   const auto group = [&](std::uint32_t v) { return groups.empty() ? v : groups[v]; };
   std::vector<glm::dvec3> sums(n_groups, glm::dvec3(0));
   std::vector<std::uint32_t> counts(n_groups, 0);

@@ -32,16 +32,12 @@ std::vector<std::uint32_t> find_places(const std::vector<glm::vec3>& positions, 
   return places;
 }
 
-std::uint32_t one_past_largest(const std::vector<std::uint32_t>& values) {
-  return values.empty() ? 0 : *std::max_element(values.begin(), values.end()) + 1;
-}
-
 }  // namespace
 
 CutMesh::CutMesh(const Mesh& mesh) : mesh_(mesh), n_uncut_(mesh.n_vertices()) {
   places_ = find_places(mesh.positions, n_places_);
-  next_source_ = one_past_largest(mesh.source_vertices);
-  next_group_ = one_past_largest(mesh.normal_groups);
+  next_source_ = static_cast<std::uint32_t>(count_of_numbers(mesh.source_vertices, 0));
+  next_group_ = static_cast<std::uint32_t>(count_of_numbers(mesh.normal_groups, 0));
   parents_.resize(mesh.n_triangles());
   std::iota(parents_.begin(), parents_.end(), 0U);
   if (mesh_.source_faces.empty()) mesh_.source_faces = parents_;  // children have the face of their parent

@@ -198,8 +198,7 @@ std::size_t count_duplicate_positions(std::span<const glm::vec3> positions) {
 
 Defects find_defects(const Mesh& mesh, bool with_parts) {
   Defects d;
-  std::size_t n_source = mesh.source_vertices.empty() ? mesh.n_vertices() : 0;
-  for (const std::uint32_t v : mesh.source_vertices) n_source = std::max<std::size_t>(n_source, v + 1);
+  const std::size_t n_source = count_of_numbers(mesh.source_vertices, mesh.n_vertices());
 
   std::vector<char> is_used(n_source, 0);
   for (std::size_t f = 0; f < mesh.n_triangles(); ++f) {

@@ -297,11 +297,14 @@ HWY_INLINE void weigh(Block& block, std::size_t i) {
   const Floats f;
   const F3 n = {hn::Load(f, block.x + i), hn::Load(f, block.y + i), hn::Load(f, block.z + i)};
   const F length = hn::Load(f, block.length + i);
-  const auto is_sure =
+  const F3 w = weights_of<weight>(block, i, length);
+  auto is_sure =
       hn::And(hn::Gt(length, hn::Set(f, least_length)), hn::Lt(length, hn::Set(f, greatest_length)));
+  // Products of the squares of long sides overflow, and leave no weight.
+  if constexpr (weight == NormalWeight::max)
+    is_sure = hn::And(is_sure, hn::Gt(hn::Min(w.x, hn::Min(w.y, w.z)), hn::Zero(f)));
   const F nan = hn::Set(f, std::numeric_limits<float>::quiet_NaN());
   const F3 normal = scale(n, hn::IfThenElse(is_sure, hn::Div(hn::Set(f, 1.0f), length), nan));
-  const F3 w = weights_of<weight>(block, i, length);
   const auto store = [&](F share, int corner) HWY_ATTR {
     hn::StoreInterleaved4(hn::Mul(normal.x, share), hn::Mul(normal.y, share), hn::Mul(normal.z, share), share,
                           f, &block.corners[corner][4 * i]);

@@ -52,8 +52,8 @@ void add_face_exactly(const glm::vec3* positions, const glm::uvec3& t, NormalWei
     const glm::dvec3 &here = p[c], &next = p[(c + 1) % 3], &last = p[(c + 2) % 3];
     const double w = corner_weight(length, next - here, last - here, weight, window.unit);
     NormalSum& sum = window.sums[place];
-    for (int k = 0; k < 3; ++k) sum.normal[k] += cross[k] / length * w;
-    sum.weight += w;
+    for (int k = 0; k < 3; ++k) sum.values[k] += cross[k] / length * w;
+    sum.values[3] += w;
   }
 }
 
@@ -121,7 +121,7 @@ void add_all(const glm::vec3* positions, const glm::uvec3* triangles, std::size_
       for (int c = 0; c < 3; ++c) {
         const std::size_t place = std::size_t{is_grouped ? group_of[v[c]] : v[c]} - first_group;
         if (!is_whole && place >= n_sums) continue;
-        double* const sum = sums[place].normal;
+        double* const sum = sums[place].values;
         float added[4];
         std::memcpy(added, &block.corners[has_one_share(weight) ? 0 : c][4 * i], sizeof added);
         for (int k = 0; k < 4; ++k) sum[k] += double(added[k]);

@@ -12,8 +12,7 @@ namespace lambake {
 
 /// Sum over the faces around a vertex. Not initialised.
 struct alignas(32) NormalSum {
-  double normal[3];  ///< Unit normals times their weights.
-  double weight;
+  double values[4];  ///< x, y, z of unit normals times their weights; last the weights.
 };
 
 /// Twice the area vector of a triangle, in double: exact to a few ulp for float positions. (0,0,0) where

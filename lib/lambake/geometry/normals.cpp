@@ -50,10 +50,9 @@ class GroupNormals {
       : mesh_(mesh),
         weight_(weight),
         unit_(unit_of(mesh.positions)),
-        group_of_(mesh.normal_groups.empty() ? mesh.source_vertices : mesh.normal_groups),
-        n_groups_(group_of_.empty() ? mesh.n_vertices() : 0),
+        group_of_(mesh.shared_normals()),
+        n_groups_(count_of_numbers(mesh.shared_normals(), mesh.n_vertices())),
         chunks_((mesh.n_triangles() + chunk_size - 1) / chunk_size) {
-    for (const std::uint32_t g : group_of_) n_groups_ = std::max<std::size_t>(n_groups_, g + 1);
     parallel_blocks(mesh.n_triangles(), chunk_size, [&](std::size_t begin, std::size_t end) {
       chunks_[begin / chunk_size] = {begin, end, index_range(faces_from(begin, end), group_of_)};
     });

@@ -21,8 +21,7 @@ constexpr double shortest_center = 1e-6;
 }  // namespace
 
 VertexNormals robust_normals(const Mesh& mesh) {
-  const std::vector<std::uint32_t>& group_of =
-      mesh.normal_groups.empty() ? mesh.source_vertices : mesh.normal_groups;
+  const std::vector<std::uint32_t>& group_of = mesh.shared_normals();
   const auto group = [&](std::uint32_t v) { return group_of.empty() ? v : group_of[v]; };
   const std::vector<glm::vec3> normals = face_normals(mesh);
   std::vector<std::pair<std::uint32_t, std::uint32_t>> faces;  // (group, face) of each corner
@@ -31,8 +30,9 @@ VertexNormals robust_normals(const Mesh& mesh) {
     for (int c = 0; c < 3; ++c) faces.emplace_back(group(mesh.triangles[f][c]), f);
   std::sort(faces.begin(), faces.end());
 
-  std::vector<glm::vec3> group_normals;
-  std::vector<char> has_face;
+  const std::size_t n_groups = count_of_numbers(group_of, mesh.n_vertices());
+  std::vector<glm::vec3> group_normals(n_groups, glm::vec3(0));
+  std::vector<char> has_face(n_groups, 0);
   std::vector<Kernel::Point_3> points;
   for (std::size_t i = 0; i < faces.size();) {
     const std::uint32_t g = faces[i].first;
@@ -41,8 +41,6 @@ VertexNormals robust_normals(const Mesh& mesh) {
       const glm::vec3& n = normals[faces[i].second];
       if (n != glm::vec3(0)) points.emplace_back(n.x, n.y, n.z);
     }
-    group_normals.resize(g + 1, glm::vec3(0));
-    has_face.resize(g + 1, 0);
     has_face[g] = 1;
     if (points.empty()) continue;
     Ball ball(points.begin(), points.end());
@@ -55,7 +53,6 @@ VertexNormals robust_normals(const Mesh& mesh) {
   result.normals.resize(mesh.n_vertices(), glm::vec3(0));
   for (std::uint32_t v = 0; v < mesh.n_vertices(); ++v) {
     const std::uint32_t g = group(v);
-    if (g >= group_normals.size()) continue;
     result.normals[v] = group_normals[g];
     result.undefined += has_face[g] && group_normals[g] == glm::vec3(0);
   }

@@ -36,7 +36,7 @@ UnitNormalCounts unit_normals_of(const NormalSum* sums, std::size_t n, glm::vec3
   UnitNormalCounts counts;
   for (std::size_t i = 0; i + lanes <= n; i += lanes) {
     hn::Vec<decltype(d)> x, y, z, weight;
-    hn::LoadInterleaved4(d, sums[i].normal, x, y, z, weight);
+    hn::LoadInterleaved4(d, sums[i].values, x, y, z, weight);
     const auto length = hn::Sqrt(hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z)));
     const auto has_direction = hn::Gt(length, hn::Mul(weight, hn::Set(d, cancelled)));
     const auto reciprocal = hn::IfThenElseZero(has_direction, hn::Div(hn::Set(d, 1.0), length));
@@ -59,8 +59,8 @@ HWY_EXPORT(unit_normals_of);
 }  // namespace
 
 bool is_uncertain(const NormalSum& sum) {
-  const auto& [x, y, z] = sum.normal;
-  return std::sqrt(x * x + y * y + z * z) < sum.weight * uncertain;
+  const auto& [x, y, z, weight] = sum.values;
+  return std::sqrt(x * x + y * y + z * z) < weight * uncertain;
 }
 
 UnitNormalCounts unit_normals(std::span<const NormalSum> sums, std::span<glm::vec3> normals) {
@@ -71,7 +71,7 @@ UnitNormalCounts unit_normals(std::span<const NormalSum> sums, std::span<glm::ve
   const UnitNormalCounts whole = kernel(sums.data(), n_whole, normals.data());
   NormalSum last_sums[n_lanes];
   glm::vec3 last_normals[n_lanes];
-  std::fill(std::begin(last_sums), std::end(last_sums), NormalSum{{1, 0, 0}, 1});
+  std::fill(std::begin(last_sums), std::end(last_sums), NormalSum{{1, 0, 0, 1}});
   std::copy(sums.begin() + static_cast<std::ptrdiff_t>(n_whole), sums.end(), last_sums);
   const UnitNormalCounts last = kernel(last_sums, n_lanes, last_normals);
   std::copy_n(last_normals, sums.size() - n_whole, normals.begin() + static_cast<std::ptrdiff_t>(n_whole));

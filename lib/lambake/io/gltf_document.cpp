@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "lambake/core/error.h"
+#include "lambake/io/file_extension.h"
 #include "lambake/io/output_file.h"
 
 namespace lambake {
@@ -177,11 +178,10 @@ void write_document(const std::string& path, GltfDocument& document) {
     if (buffers.empty()) buffers.push_back(GltfJson::object());
     buffers[0]["byteLength"] = size;
   }
-  std::string extension = std::filesystem::path(path).extension().string();
-  for (char& c : extension) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  if (extension == ".glb") {
+  const std::string extension = file_extension(path);
+  if (extension == "glb") {
     write_glb(path, document);
-  } else if (extension == ".gltf") {
+  } else if (extension == "gltf") {
     write_gltf_and_bin(path, document);
   } else {
     throw InvalidOption(path + ": expected a name ending in .glb or .gltf");

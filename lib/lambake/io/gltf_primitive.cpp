@@ -51,6 +51,17 @@ class Skinning {
       }
     }
     for (int set = 0; primitive.attributes.contains(fmt::format("JOINTS_{}", set)); ++set) {
+      const tinygltf::Accessor& accessor =
+          asset.model.accessors[index_of(primitive.attributes.at(fmt::format("JOINTS_{}", set)))];
+      const int type = accessor.componentType;
+      if (type != TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE && type != TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT)
+        throw IoError(asset.path,
+                      fmt::format("{}.JOINTS_{}: expected unsigned integers of 8 or 16 bits, found "
+                                  "componentType {}",
+                                  where, set, type));
+      if (accessor.normalized)
+        throw IoError(asset.path, fmt::format("{}.JOINTS_{}: expected integers as they are, found normalized",
+                                              where, set));
       const auto joints =
           read_attribute(asset, primitive.attributes, fmt::format("JOINTS_{}", set), 4, n_vertices, where);
       const auto weights =

@@ -7,11 +7,11 @@
 #include <array>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <string_view>
 
 #include "lambake/core/error.h"
 #include "lambake/io/gltf_types.h"
+#include "lambake/io/input_file.h"
 
 namespace lambake {
 namespace {
@@ -41,18 +41,19 @@ constexpr std::array<std::string_view, 19> known_extensions{
     "KHR_xmp_json_ld",
 };
 
-std::vector<unsigned char> read_file(const std::filesystem::path& file, const std::string& path,
-                                     const std::string& what) {
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(file, error))
-    throw IoError(path, what + "expected a file, found none");
-  const std::uintmax_t n_bytes = std::filesystem::file_size(file, error);
-  std::ifstream stream(file, std::ios::binary);
-  if (error || !stream) throw IoError(path, what + "cannot be opened");
-  std::vector<unsigned char> bytes(n_bytes);
-  stream.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(n_bytes));
-  if (static_cast<std::uintmax_t>(stream.gcount()) != n_bytes) throw IoError(path, what + "cannot be read");
+std::vector<unsigned char> all_bytes(InputFile file) {
+  std::vector<unsigned char> bytes(file.size());
+  file.read(reinterpret_cast<char*>(bytes.data()), bytes.size());
   return bytes;
+}
+
+/// Bytes of the file that a relative URI names, beside `path`.
+std::vector<unsigned char> read_beside(const std::string& path, const std::string& uri) {
+  try {
+    return all_bytes(InputFile(file_beside(path, uri).string(), /* may_be_pipe */ false));
+  } catch (const IoError& error) {
+    throw IoError(path, error.what());
+  }
 }
 
 std::uint32_t u32_at(const std::vector<unsigned char>& bytes, std::size_t at) {
@@ -209,13 +210,8 @@ std::filesystem::path file_beside(const std::string& path, const std::string& ur
   return std::filesystem::path(path).parent_path() / decode_percent(uri);
 }
 
-std::vector<unsigned char> read_beside(const std::string& path, const std::string& uri) {
-  return read_file(file_beside(path, uri), path, uri + ": ");
-}
-
 GltfSource read_gltf_source(const std::string& path) {
-  const std::vector<unsigned char> bytes = read_file(path, path, "");
-  if (bytes.empty()) throw IoError(path, "expected glTF, found an empty file");
+  const std::vector<unsigned char> bytes = all_bytes(InputFile(path));
   GltfSource source;
   source.path = path;
   source.is_glb = bytes.size() >= 4 && std::memcmp(bytes.data(), "glTF", 4) == 0;

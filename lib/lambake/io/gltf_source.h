@@ -27,9 +27,6 @@ GltfSource read_gltf_source(const std::string& path);
 /// The file that a relative URI names, beside `path`.
 std::filesystem::path file_beside(const std::string& path, const std::string& uri);
 
-/// Bytes of the file that a relative URI names, beside `path`. @throws IoError if it is not a regular file.
-std::vector<unsigned char> read_beside(const std::string& path, const std::string& uri);
-
 /// Extensions whose meaning for Lambert light is taken in, or that have none.
 bool is_known_extension(const std::string& name);
 

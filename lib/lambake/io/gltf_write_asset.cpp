@@ -5,6 +5,7 @@
 #include <set>
 
 #include "lambake/core/error.h"
+#include "lambake/io/file_extension.h"
 #include "lambake/io/gltf_asset.h"
 #include "lambake/io/gltf_color.h"
 #include "lambake/io/gltf_materials.h"
@@ -261,7 +262,7 @@ class AssetWriter {
 void check_buffer_path(const std::string& path, const GltfAsset& asset) {
   std::error_code none;  // What is not there is not replaced.
   const std::filesystem::path bin = std::filesystem::path(path).replace_extension(".bin");
-  if (!path.ends_with(".gltf") || std::filesystem::equivalent(path, asset.path, none)) return;
+  if (file_extension(path) != "gltf" || std::filesystem::equivalent(path, asset.path, none)) return;
   for (const GltfJson& buffer : member(asset.json, "buffers")) {
     const GltfJson& uri = member(buffer, "uri");
     if (uri.is_null() || uri.get_ref<const std::string&>().starts_with("data:")) continue;

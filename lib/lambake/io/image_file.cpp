@@ -12,6 +12,7 @@
 #include <string_view>
 
 #include "lambake/core/error.h"
+#include "lambake/io/file_extension.h"
 #include "lambake/io/image_codec.h"
 #include "lambake/io/input_file.h"
 #include "lambake/io/output_file.h"
@@ -34,13 +35,6 @@ const ImageCodec* load_codec() {
 const ImageCodec& codec() {
   static const ImageCodec* const loaded = load_codec();
   return *loaded;
-}
-
-std::string lower_extension(const std::string& path) {
-  std::string extension = std::filesystem::path(path).extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension;
 }
 
 std::string_view as_text(std::span<const std::byte> bytes) {
@@ -69,11 +63,11 @@ std::string critical_chunks(std::string_view png, const std::string& name) {
 }  // namespace
 
 void write_picture(const std::string& path, const Picture& picture) {
-  const std::string extension = lower_extension(path);
-  if (extension != ".png" && extension != ".exr")
+  const std::string extension = file_extension(path);
+  if (extension != "png" && extension != "exr")
     throw InvalidOption(path + ": expected a picture's name to end in .png or .exr");
   OutputFile file(path);
-  file.write(extension == ".png" ? codec().encode_png(picture, path) : codec().encode_exr(picture, path));
+  file.write(extension == "png" ? codec().encode_png(picture, path) : codec().encode_exr(picture, path));
   file.commit();
 }
 

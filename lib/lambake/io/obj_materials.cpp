@@ -4,6 +4,7 @@
 
 #include <charconv>
 
+#include "lambake/core/utf8.h"
 #include "lambake/io/file_color.h"
 #include "lambake/io/file_texture.h"
 #include "lambake/io/input_file.h"
@@ -35,36 +36,6 @@ std::string_view skip_map_options(TextCursor& cursor, std::size_t& n_options) {
       cursor = ahead;
     }
   }
-}
-
-bool is_utf8(std::string_view text) {
-  for (std::size_t i = 0; i < text.size();) {
-    const auto byte = static_cast<unsigned char>(text[i]);
-    const std::size_t n = byte < 0x80       ? 1
-                          : byte >> 5 == 6  ? 2
-                          : byte >> 4 == 14 ? 3
-                          : byte >> 3 == 30 ? 4
-                                            : 0;
-    if (n == 0 || text.size() - i < n) return false;
-    for (std::size_t k = 1; k < n; ++k)
-      if ((static_cast<unsigned char>(text[i + k]) & 0xC0) != 0x80) return false;
-    i += n;
-  }
-  return true;
-}
-
-/// A name as UTF-8: bytes that are none are taken for Latin-1, which older programs write.
-std::string utf8_of(const std::string& name) {
-  if (is_utf8(name)) return name;
-  std::string text;
-  for (const char c : name) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (byte < 0x80)
-      text += c;
-    else
-      text += {static_cast<char>(0xC0 | byte >> 6), static_cast<char>(0x80 | (byte & 0x3F))};
-  }
-  return text;
 }
 
 }  // namespace

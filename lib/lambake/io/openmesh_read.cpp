@@ -181,6 +181,8 @@ OpenMeshArrays read_with_openmesh(const std::string& path, const CanonicalFile& 
   bool is_read = false;
   try {
     is_read = reader.read(stream, importer, options);
+  } catch (const std::bad_alloc&) {
+    throw;
   } catch (const std::exception& error) {
     throw IoError(path, std::string("OpenMesh's reader failed: ") + error.what());
   }

@@ -194,6 +194,8 @@ class OmScan {
       face_colors_ = to_colors(cursor_.take(n, 3, "colours of faces"));
     } else if (chunk.entity == Entity::face && chunk.kind == Kind::topology) {
       scan_faces(chunk.bits);
+    } else if (chunk.entity == Entity::halfedge && version_ < version_2_0) {
+      cursor_.fail("half-edges in version 2.0 and later alone", "some in one before");
     } else if (chunk.entity == Entity::halfedge && chunk.kind == Kind::texcoord) {
       corner_texcoords_ = to_vectors<2>(cursor_.take(n, 8, "texture coordinates"), false);
     } else if (chunk.entity == Entity::halfedge && chunk.kind == Kind::topology) {
@@ -208,6 +210,7 @@ class OmScan {
   void take_name() { cursor_.take(cursor_.value<std::uint8_t>("a name's length"), 1, "a name"); }
 
   void scan_halfedges(int bits) {
+    if (!halfedges_.empty()) cursor_.fail("one chunk of half-edges", "a second");
     const std::size_t n = 2 * n_edges_;
     ByteCursor values(path_, cursor_.take(n, std::size_t{3} << bits, "half-edges"));
     halfedges_.reserve(n);
@@ -228,6 +231,7 @@ class OmScan {
   }
 
   void scan_faces(int bits) {
+    if (has_faces_) cursor_.fail("one chunk of faces", "a second");
     has_faces_ = true;
     const std::size_t n = file_.n_faces;
     if (version_ >= version_2_0) {

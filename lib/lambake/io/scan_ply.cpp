@@ -7,6 +7,7 @@
 #include <span>
 
 #include "lambake/core/error.h"
+#include "lambake/core/utf8.h"
 #include "lambake/io/canonical_file.h"
 #include "lambake/io/canonical_ply.h"
 #include "lambake/io/corner_attributes.h"
@@ -292,7 +293,7 @@ class PlyScan {
     std::size_t n_odd_texcoords = 0;
     for (std::size_t f = 0; f < element.count; ++f) {
       float color[3] = {1, 1, 1};
-      std::int64_t texture = 0;
+      double texture = 0;
       texcoords.clear();
       for (std::size_t p = 0; p < roles.size(); ++p) {
         const PlyProperty& property = element.properties[p];
@@ -305,7 +306,7 @@ class PlyScan {
             for (float& t : texcoords) t = body_.number_f32(property.type);
             break;
           case Role::texture:
-            texture = static_cast<std::int64_t>(body_.number(property.type));
+            texture = body_.number(property.type);
             break;
           case Role::red:
           case Role::green:
@@ -334,9 +335,9 @@ class PlyScan {
                 "face[ has|s have] no texture coordinate for each corner; (0,0) instead");
   }
 
-  std::uint32_t material_of_texture(std::int64_t number) const {
-    const auto n = static_cast<std::int64_t>(header_.texture_files.size());
-    return number >= 0 && number < n ? static_cast<std::uint32_t>(number) : static_cast<std::uint32_t>(n);
+  std::uint32_t material_of_texture(double number) const {
+    const auto n = static_cast<std::uint32_t>(header_.texture_files.size());
+    return number >= 0 && number < n ? static_cast<std::uint32_t>(number) : n;
   }
 
   void read_indices(const PlyProperty& p, std::vector<std::uint32_t>& corners) {
@@ -399,7 +400,7 @@ class PlyScan {
     if (corner_attributes_) corner_attributes_->finish();
     for (const std::string& name : header_.texture_files) {
       Material material;
-      material.name = name;
+      material.name = utf8_of(name);
       material.base_color_texture = add_file_texture(path_, name, file_);
       file_.materials.push_back(material);
     }

@@ -13,13 +13,6 @@
 namespace lambake {
 namespace {
 
-/// Position and normal as float, colour as u16 RGBA, three indices of 16 or 32 bit: as a GLB of one material
-/// without textures.
-std::size_t bytes_of(const Mesh& mesh) {
-  const std::size_t index = mesh.n_vertices() < 65536 ? 2 : 4;
-  return mesh.n_vertices() * (12 + 12 + 8) + mesh.n_triangles() * 3 * index;
-}
-
 std::string steps(double error) {
   return std::isfinite(error) ? upper_bound_text(error * 255) + "/255" : "no bound";
 }
@@ -75,6 +68,11 @@ std::string name_of(BakeMethod method) {
   return "";
 }
 
+std::size_t stored_bytes(const Mesh& mesh, std::size_t color_bytes) {
+  const std::size_t index_bytes = mesh.n_vertices() < 65536 ? 2 : 4;
+  return mesh.n_vertices() * (12 + 12 + color_bytes) + mesh.n_triangles() * 3 * index_bytes;
+}
+
 Selection select_method(const Scene& scene, const BakeOptions& options) {
   Selection selection;
   const bool can_certify = options.output.gaps.empty();
@@ -97,7 +95,7 @@ Selection select_method(const Scene& scene, const BakeOptions& options) {
     trial.method = method;
     trial.n_vertices = mesh.n_vertices();
     trial.n_triangles = mesh.n_triangles();
-    trial.bytes = bytes_of(mesh);
+    trial.bytes = stored_bytes(mesh, 8);
     const SurfaceError error = surface_error(scene, baked, options.tolerance_space);
     trial.rmse = error.rmse;
     trial.max_found = error.max_sampled;

@@ -36,6 +36,10 @@ struct Selection {
 /// findings of the result), nothing is cut: of the other three the one with the least error found is taken.
 Selection select_method(const Scene& scene, const BakeOptions& options);
 
+/// Bytes of a mesh in a GLB of one material without textures: positions and normals as float, colours of
+/// `color_bytes`, indices of 16 bit or, from 65,536 vertices on, of 32.
+std::size_t stored_bytes(const Mesh& mesh, std::size_t color_bytes);
+
 /// "face", "sample", "least-squares", …, as on the command line.
 std::string name_of(BakeMethod method);
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <numbers>
 #include <numeric>
 
 #include "lambake/core/error.h"
@@ -252,7 +253,7 @@ void check_camera(const Camera& camera) {
   if (!(std::abs(glm::determinant(glm::dmat3(m))) > 1e-6))
     throw InvalidOption("camera: its axes do not span the space");
   if (camera.projection == Projection::perspective) {
-    if (!(camera.vertical_fov_rad > 0 && camera.vertical_fov_rad < 3.14159f))
+    if (!(camera.vertical_fov_rad > 0 && camera.vertical_fov_rad < std::numbers::pi_v<float>))
       throw InvalidOption("camera: expected an angle between 0 and 180 degrees");
     if (!(camera.near_distance > 0)) throw InvalidOption("camera: the near plane must lie before the eye");
   } else if (!(camera.half_height > 0) || !std::isfinite(camera.half_height)) {

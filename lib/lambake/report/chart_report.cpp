@@ -175,7 +175,7 @@ std::string methods_section(const ChartRun& run) {
     html += timing_cell("One thread", m.one_thread) + timing_cell("All threads", m.all_threads);
     cell("RMSE", steps_of_255(m.rmse));
     cell("Largest found", steps_of_255(m.max_sampled));
-    cell("Certified", steps_of_255(m.max_bound));
+    cell("Certified", bound_of_255(m.max_bound));
     html += "</tr>\n";
   }
   html += "</tbody>\n</table>\n</section>\n";

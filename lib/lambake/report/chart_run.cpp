@@ -88,11 +88,6 @@ std::vector<Variant> variants(double max_seconds) {
   return all;
 }
 
-/// Bytes of the arrays as a glTF file has them: positions and normals of 12, indices of 4 × 3.
-std::size_t stored_bytes(const Mesh& mesh, std::size_t color_bytes) {
-  return mesh.n_vertices() * (12 + 12 + color_bytes) + mesh.n_triangles() * 12;
-}
-
 /// Time left, and what could not be begun for want of it.
 class Budget {
  public:

@@ -38,7 +38,7 @@ std::string verdict(const Comparison& c) {
     return fmt::format(
         "Per-vertex lighting is enough: nowhere on the surface is it more than {} away from "
         "per-pixel lighting, and that is certain.",
-        steps_of_255(*c.max_bound_display));
+        bound_of_255(*c.max_bound_display));
   if (largest <= visible)
     return fmt::format(
         "Per-vertex lighting is enough: no place was found where it is more than 1/255 away from "
@@ -73,7 +73,7 @@ std::string tiles(const Comparison& c) {
   add(steps_of_255(image.rmse), "typical difference in the picture (RMSE)");
   add(steps_of_255(c.surface_display.max_sampled), "largest found on the surface");
   if (c.max_bound_display)
-    add(steps_of_255(*c.max_bound_display), "largest possible anywhere, certified");
+    add(bound_of_255(*c.max_bound_display), "largest possible anywhere, certified");
   else if (image.pixels > 0)
     add(steps_of_255(image.max), "largest in the picture");
   return html + "</dl>\n";
@@ -260,7 +260,8 @@ std::string zooms_section(const Comparison& c, const Differences& differences) {
 
 /// One table of numbers, in one colour space.
 std::string numbers_table(const std::string& caption, const ImageError& image, const SurfaceError& surface,
-                          const std::optional<double>& max_bound, std::string (*show)(double)) {
+                          const std::optional<double>& max_bound, std::string (*show)(double),
+                          std::string (*show_bound)(double)) {
   std::string html = fmt::format(
       "<table class=\"table\">\n<caption>{}</caption>\n<thead><tr><th scope=\"col\">Measure</th>"
       "<th scope=\"col\" class=\"n\">picture</th><th scope=\"col\" "
@@ -276,7 +277,7 @@ std::string numbers_table(const std::string& caption, const ImageError& image, c
   row("Mean size", "mean of |difference|", show(image.mae), show(surface.mae));
   row("Mean", "below 0: per vertex is darker", show(image.mean), show(surface.mean));
   row("Largest found", "the worst pixel, the worst point met", show(image.max), show(surface.max_sampled));
-  if (max_bound) row("Largest possible", "certified: it is nowhere more", "–", show(*max_bound));
+  if (max_bound) row("Largest possible", "certified: it is nowhere more", "–", show_bound(*max_bound));
   row("99 % are below", "by their worst channel", show(image.p99), "–");
   row("PSNR", "20·log₁₀(1/RMSE)",
       std::isinf(image.psnr_db) ? "∞ (equal)" : short_number(image.psnr_db) + " dB", "–");
@@ -291,9 +292,9 @@ std::string numbers_section(const Comparison& c) {
       "included. 0 is black, 1 is white.</p>\n<div class=\"columns\">\n{}{}</div>\n</section>\n",
       c.n_views == 1 ? std::string("one view") : fmt::format("{} views taken together", c.n_views),
       numbers_table("On screen: sRGB-encoded, clamped to 0…1; what the eye gets", c.image_display,
-                    c.surface_display, c.max_bound_display, steps_of_255),
+                    c.surface_display, c.max_bound_display, steps_of_255, bound_of_255),
       numbers_table("Linear: amounts of light as computed", c.image_linear, c.surface_linear,
-                    c.max_bound_linear, short_number));
+                    c.max_bound_linear, short_number, short_bound));
 }
 
 /// What each step from the light to the file adds.
@@ -338,7 +339,7 @@ std::string trials_section(const Comparison& c) {
     cell("Time", duration(t.seconds));
     cell("RMSE", steps_of_255(t.rmse));
     cell("Largest found", steps_of_255(t.max_found));
-    cell("Certified", steps_of_255(t.max_bound) + (t.is_certified ? "; within the tolerance" : ""));
+    cell("Certified", bound_of_255(t.max_bound) + (t.is_certified ? "; within the tolerance" : ""));
     html += "</tr>\n";
   }
   return html + "</tbody>\n</table>\n</section>\n";

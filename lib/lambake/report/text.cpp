@@ -6,28 +6,10 @@
 #include <cmath>
 #include <cstdint>
 
+#include "lambake/core/digits.h"
+#include "lambake/core/utf8.h"
+
 namespace lambake {
-namespace {
-
-/// Length of the UTF-8 character at the front (RFC 3629: no surrogates, no overlong forms), or 0.
-std::size_t utf8_length(std::string_view text) {
-  const auto byte = [&](std::size_t i) { return static_cast<std::uint8_t>(text[i]); };
-  const std::uint8_t first = byte(0);
-  if (first < 0x80) return 1;
-  const std::size_t length = first >= 0xF0 ? 4 : first >= 0xE0 ? 3 : 2;
-  if (first < 0xC2 || first > 0xF4 || text.size() < length) return 0;
-  std::uint8_t low = 0x80, high = 0xBF;
-  if (first == 0xE0) low = 0xA0;
-  if (first == 0xED) high = 0x9F;
-  if (first == 0xF0) low = 0x90;
-  if (first == 0xF4) high = 0x8F;
-  if (byte(1) < low || byte(1) > high) return 0;
-  for (std::size_t i = 2; i < length; ++i)
-    if (byte(i) < 0x80 || byte(i) > 0xBF) return 0;
-  return length;
-}
-
-}  // namespace
 
 std::string escape_html(std::string_view text) {
   constexpr std::string_view replacement = "\xEF\xBF\xBD";
@@ -94,11 +76,24 @@ std::string short_number(double number) {
   return sign + text;
 }
 
+std::string short_bound(double bound) {
+  if (!(bound > 0) || !std::isfinite(bound)) return short_number(bound);
+  const int n_digits = bound < 1e-3 ? 2 : 3;
+  return short_number(
+      round_up(bound, std::max(0, n_digits - 1 - static_cast<int>(std::floor(std::log10(bound))))));
+}
+
 std::string steps_of_255(double value) {
   const double steps = value * 255;
   if (!std::isfinite(steps) || steps == 0) return short_number(steps);
   if (std::abs(steps) < 0.005) return "< 0.01/255";
   return short_number(steps) + "/255";
+}
+
+std::string bound_of_255(double bound) {
+  const double steps = bound * 255;
+  if (!std::isfinite(steps) || steps < 0.005) return steps_of_255(bound);
+  return short_bound(steps) + "/255";
 }
 
 std::string percent(double share) {

@@ -24,6 +24,12 @@ std::string short_number(double number);
 /// A value on screen in steps of 1/255: "0.61/255".
 std::string steps_of_255(double value);
 
+/// An upper bound like short_number(), rounded up, so that it is one still.
+std::string short_bound(double bound);
+
+/// An upper bound on screen in steps of 1/255, rounded up.
+std::string bound_of_255(double bound);
+
 /// A share of 1 in percent: "12.3 %", "< 0.01 %" for what is above 0 and would round to it.
 std::string percent(double share);
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <numeric>
 
 #include "lambake/core/error.h"
@@ -28,6 +29,10 @@ std::uint32_t append_vertex_copy(Mesh& mesh, std::uint32_t v) {
   copy(mesh.source_vertices);
   copy(mesh.normal_groups);
   return index;
+}
+
+std::size_t count_of_numbers(const std::vector<std::uint32_t>& numbers, std::size_t n_default) {
+  return numbers.empty() ? n_default : *std::max_element(numbers.begin(), numbers.end()) + std::size_t{1};
 }
 
 std::vector<std::uint32_t> vertex_materials(const Mesh& mesh) {

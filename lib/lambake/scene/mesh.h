@@ -36,6 +36,10 @@ struct Mesh {
   std::uint32_t source_vertex_of(std::size_t v) const {
     return source_vertices.empty() ? static_cast<std::uint32_t>(v) : source_vertices[v];
   }
+  /// V: the group of each vertex that shares one normal, or none: each its own.
+  const std::vector<std::uint32_t>& shared_normals() const {
+    return normal_groups.empty() ? source_vertices : normal_groups;
+  }
   std::uint32_t source_face_of(std::size_t f) const {
     return source_faces.empty() ? static_cast<std::uint32_t>(f) : source_faces[f];
   }
@@ -44,6 +48,10 @@ struct Mesh {
 /// Appends to every per-vertex array of `mesh` a copy of vertex `v`; returns the copy's index.
 /// `source_vertices` is made if there was none.
 std::uint32_t append_vertex_copy(Mesh& mesh, std::uint32_t v);
+
+/// One more than the largest of `numbers`, as of Mesh::source_vertices: arrays over them are that long.
+/// @param n_default  where there are none.
+std::size_t count_of_numbers(const std::vector<std::uint32_t>& numbers, std::size_t n_default);
 
 /// V: the material of each vertex's triangles, which are of one; 0 where there is none.
 std::vector<std::uint32_t> vertex_materials(const Mesh& mesh);
