@@ -17,25 +17,37 @@ TEST(ErrorShares, FlatGridThatClips_ErrsByTheClippingAlone) {
                                             return LinearRgb{std::min(c.r, 1.0f), c.g, c.b};
                                           }));
   EXPECT_LT(shares.interpolation, 1e-15);  // rounding of the interpolation
-  EXPECT_NEAR(shares.clipping, 0.5 / std::sqrt(3.0), 1e-12);
-  EXPECT_EQ(shares.quantisation, 0);
+  EXPECT_NEAR(shares.clipping.value(), 0.5 / std::sqrt(3.0), 1e-12);
+  EXPECT_EQ(shares.quantisation.value(), 0);
+}
+
+LinearRgb in_eighths(const LinearRgb& c) {
+  const auto step = [](float x) { return std::round(x * 8) / 8; };
+  return {step(c.r), step(c.g), step(c.b)};
 }
 
 TEST(ErrorShares, CoarseSteps_AreTheQuantisation) {
   const Scene scene = scene_of(icosphere(3), {sun({0.4f, 1, 0.3f})});
   BakedColors baked = bake(scene, {});
-  const auto in_eighths = [](const LinearRgb& c) {
-    const auto step = [](float x) { return std::round(x * 8) / 8; };
-    return LinearRgb{step(c.r), step(c.g), step(c.b)};
-  };
   const ErrorShares shares = error_shares(scene, baked, storing(in_eighths));
-  EXPECT_EQ(shares.clipping, 0);
+  EXPECT_EQ(shares.clipping.value(), 0);
   // A value is off by 1/8/√12 in the mean square where it is spread evenly; half of the sphere is black.
-  EXPECT_GT(shares.quantisation, 0.3 * 0.125 / std::sqrt(12.0));
-  EXPECT_LT(shares.quantisation, 0.125 / std::sqrt(12.0));
+  EXPECT_GT(shares.quantisation.value(), 0.3 * 0.125 / std::sqrt(12.0));
+  EXPECT_LT(shares.quantisation.value(), 0.125 / std::sqrt(12.0));
   for (LinearRgb& c : baked.colors) c = in_eighths(c);
   const double whole = surface_error(scene, baked, ErrorSpace::linear).rmse;
-  EXPECT_NEAR(std::hypot(shares.interpolation, shares.quantisation), whole, 0.05 * whole);
+  EXPECT_NEAR(std::hypot(shares.interpolation, shares.quantisation.value()), whole, 0.05 * whole);
+}
+
+TEST(ErrorShares, OfAdaptive_AreInOne) {
+  // Its colours are those that are stored, so that the steps after it have nothing to add.
+  const Scene scene = scene_of(icosphere(2), {sun({0.4f, 1, 0.3f})});
+  const ColorOutput output = storing(in_eighths);
+  const ErrorShares shares =
+      error_shares(scene, bake(scene, {.method = BakeMethod::adaptive, .output = output}), output);
+  EXPECT_GT(shares.interpolation, 0);
+  EXPECT_FALSE(shares.clipping);
+  EXPECT_FALSE(shares.quantisation);
 }
 
 }  // namespace

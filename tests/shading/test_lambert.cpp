@@ -116,6 +116,23 @@ TYPED_TEST(Lambert, Spot_IsFullInside_NothingOutside_ASquaredRampBetween) {
   EXPECT_EQ(at(90), 0);
 }
 
+TYPED_TEST(Lambert, Spot_OfATenthOfADegree_KeepsItsDigits) {
+  // Cosines of such angles differ from 1 by some steps of float. The ramp counts at least 0.001.
+  using Vec = glm::vec<3, TypeParam>;
+  Light light = spot({1, 10, 2}, 0, 0.1);
+  light.intensity = {1, 1, 1};
+  const glm::dvec3 axis = glm::normalize(glm::dvec3(-1, -10, -2));
+  light.spot_direction = glm::vec3(axis);
+  const glm::dvec3 side = glm::normalize(glm::cross(axis, glm::dvec3(0, 0, 1)));
+  for (const double degrees : {0.01, 0.03, 0.05, 0.08}) {
+    const double angle = degrees * pi / 180;
+    const glm::dvec3 away = std::cos(angle) * axis + std::sin(angle) * side;
+    const double expected = (std::cos(angle) - std::cos(double(light.outer_cone_rad))) / 0.001;
+    const Vec position(glm::dvec3(light.position) + away);
+    EXPECT_NEAR(this->lit(light, position, Vec(-away)), expected * expected, 0.003 * 2.4e-6) << degrees;
+  }
+}
+
 TYPED_TEST(Lambert, ALightOnThePoint_GivesNothing) {
   using Vec = glm::vec<3, TypeParam>;
   for (const float k : {0.0f, 1.0f, 2.0f, 4.0f}) {

@@ -38,6 +38,7 @@ double rms_of_difference(const ComparedSurface& surface, const std::vector<Linea
 ErrorShares error_shares(const Scene& scene, const BakedColors& baked, const ColorOutput& output) {
   ErrorShares shares;
   shares.interpolation = surface_error(scene, baked, ErrorSpace::linear).rmse;
+  shares.clipping = shares.quantisation = 0;
   if (!output.shown) return shares;
   const ComparedSurface surface(scene, baked);
   const std::vector<std::uint32_t> materials = vertex_materials(surface.mesh());
@@ -53,6 +54,7 @@ ErrorShares error_shares(const Scene& scene, const BakedColors& baked, const Col
   }
   shares.clipping = rms_of_difference(surface, clipped, baked.colors);
   shares.quantisation = rms_of_difference(surface, stored, clipped);
+  if (baked.certificate && stored == baked.colors) shares.clipping = shares.quantisation = std::nullopt;
   return shares;
 }
 

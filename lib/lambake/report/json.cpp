@@ -89,8 +89,8 @@ std::string report_json(const Comparison& c) {
                      {"display", surface_json(c.surface_display, c.max_bound_display)}};
   json["heat_map_scale"] = heat_map_scale(c.per_vertex, c.per_fragment, c.visibility);
   json["error_shares"] = {{"interpolation", finite_or_null(c.shares.interpolation)},
-                          {"clipping", finite_or_null(c.shares.clipping)},
-                          {"quantisation", finite_or_null(c.shares.quantisation)}};
+                          {"clipping", finite_or_null(c.shares.clipping.value_or(NAN))},
+                          {"quantisation", finite_or_null(c.shares.quantisation.value_or(NAN))}};
   const std::vector<SurfacePlace>& worst = c.surface_display.worst;
   json["max_at"] = worst.empty() ? Json(nullptr) : place_json(worst.front());
   json["worst"] = Json::array();

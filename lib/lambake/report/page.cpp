@@ -299,22 +299,30 @@ std::string numbers_section(const Comparison& c) {
 
 /// What each step from the light to the file adds.
 std::string shares_section(const Comparison& c) {
-  const double largest = std::max({c.shares.interpolation, c.shares.clipping, c.shares.quantisation});
+  const double largest =
+      std::max({c.shares.interpolation, c.shares.clipping.value_or(0), c.shares.quantisation.value_or(0)});
   if (!(largest > 0)) return {};
   std::string html =
       "<section aria-labelledby=\"steps\">\n<h2 id=\"steps\">What makes the difference</h2>\n<table "
       "class=\"table "
       "lights\">\n<thead><tr><th scope=\"col\">Step</th><th scope=\"col\">its own RMSE, "
       "linear</th></tr></thead>\n<tbody>\n";
+  using Share = std::tuple<const char*, const char*, std::optional<double>>;
   for (const auto& [name, meaning, value] :
-       {std::tuple{"Interpolation", "light known at the vertices only", c.shares.interpolation},
-        {"Clipping", "colours above 1 cut off by the file", c.shares.clipping},
-        {"Quantisation", "colours rounded to the steps of the file", c.shares.quantisation}})
+       {Share{"Interpolation",
+              c.shares.quantisation
+                  ? "light known at the vertices only"
+                  : "light known at the vertices only, in colours fitted to what the file holds",
+              c.shares.interpolation},
+        Share{"Clipping", "colours above 1 cut off by the file", c.shares.clipping},
+        Share{"Quantisation", "colours rounded to the steps of the file", c.shares.quantisation}}) {
+    if (!value) continue;
     html += fmt::format(
         "<tr><th scope=\"row\">{}<small>{}</small></th><td><span class=\"share\"><i "
         "style=\"width:{:.2f}%\"></i></span>{}</td>"
         "</tr>\n",
-        name, meaning, 100 * value / largest, short_number(value));
+        name, meaning, 100 * *value / largest, short_number(*value));
+  }
   return html + "</tbody>\n</table>\n</section>\n";
 }
 

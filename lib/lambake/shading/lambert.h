@@ -38,14 +38,22 @@ Real falloff(const Light& light, Real distance_squared) {
   return f;
 }
 
+/// 1 − cos x, to the last bits near 0 too.
+template <typename Real>
+Real versine(Real x) {
+  const Real s = std::sin(x / 2);
+  return 2 * s * s;
+}
+
 /// The cone of KHR_lights_punctual: 1 within the inner angle, 0 beyond the outer one, squared ramp between.
-/// `to_light` is the unit vector ω from the point towards the light.
+/// `to_light` is the unit vector ω from the point towards the light. In versines, as cosines of narrow cones
+/// are next to 1.
 template <typename Real>
 Real spot_cone(const Light& light, const glm::vec<3, Real>& to_light) {
-  const Real cos_outer = std::cos(Real(light.outer_cone_rad));
-  const Real scale = Real(1) / std::max(Real(0.001), std::cos(Real(light.inner_cone_rad)) - cos_outer);
-  const Real cos_angle = -glm::dot(glm::vec<3, Real>(light.spot_direction), to_light);
-  const Real ramp = std::clamp((cos_angle - cos_outer) * scale, Real(0), Real(1));
+  const Real outer = versine(Real(light.outer_cone_rad));
+  const Real scale = Real(1) / std::max(Real(0.001), outer - versine(Real(light.inner_cone_rad)));
+  const glm::vec<3, Real> off = glm::vec<3, Real>(light.spot_direction) + to_light;  // 2 sin(θ/2) long
+  const Real ramp = std::clamp((outer - glm::dot(off, off) / 2) * scale, Real(0), Real(1));
   return ramp * ramp;
 }
 

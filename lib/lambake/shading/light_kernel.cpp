@@ -94,10 +94,12 @@ V falloff_of(const Light& light, V distance_squared) {
 /// spot_cone() of lambert.h.
 V spot_cone_of(const Light& light, const V3& to_light) {
   const Floats d;
-  const float cos_outer = std::cos(light.outer_cone_rad);
-  const float scale = 1.0f / std::max(0.001f, std::cos(light.inner_cone_rad) - cos_outer);
-  const V cos_angle = hn::Neg(dot(broadcast(light.spot_direction), to_light));
-  const V ramp = clamp01(hn::Mul(hn::Sub(cos_angle, hn::Set(d, cos_outer)), hn::Set(d, scale)));
+  const float outer = versine(light.outer_cone_rad);
+  const float scale = 1.0f / std::max(0.001f, outer - versine(light.inner_cone_rad));
+  const V3 axis = broadcast(light.spot_direction);
+  const V3 off{hn::Add(axis.x, to_light.x), hn::Add(axis.y, to_light.y), hn::Add(axis.z, to_light.z)};
+  const V half = hn::Mul(dot(off, off), hn::Set(d, 0.5f));
+  const V ramp = clamp01(hn::Mul(hn::Sub(hn::Set(d, outer), half), hn::Set(d, scale)));
   return hn::Mul(ramp, ramp);
 }
 

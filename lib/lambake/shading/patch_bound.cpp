@@ -44,9 +44,11 @@ Enclosure window_over(const Light& light, const Enclosure& distance_squared) {
 }
 
 Enclosure cone_over(const Light& light, const glm::dmat3& to_light, const Enclosure& inverse_distance) {
-  const double cos_outer = std::cos(double(light.outer_cone_rad));
-  const double scale = 1 / std::max(0.001, std::cos(double(light.inner_cone_rad)) - cos_outer);
+  const double outer = versine(double(light.outer_cone_rad));
+  const double scale = 1 / std::max(0.001, outer - versine(double(light.inner_cone_rad)));
   const glm::dvec3 axis(light.spot_direction);
+  // outer − |axis + ω|²/2 in terms of axis·ω; the axis is of length 1 up to the rounding of its floats.
+  const double cos_outer = (1 + glm::dot(axis, axis)) / 2 - outer;
   const Enclosure along = dot(to_light, glm::dmat3(-axis, -axis, -axis)) * inverse_distance;
   const Enclosure x = scale * (along + linear(-cos_outer, -cos_outer, -cos_outer));
   const Enclosure ramp = positive_part(x) + -1.0 * positive_part(x + linear(-1, -1, -1));
