@@ -119,7 +119,7 @@ TEST(Clipping, BrighterAndBrighter_EachMethodsColoursAreClippedAndCounted_AndThe
         EXPECT_NEAR(clip(c).b, kept.b, 1e-6);
       }
       const ErrorShares shares = error_shares(scene, baked, storing(clip));
-      EXPECT_NEAR(shares.clipping.value(), glm::length(lost) / std::sqrt(3.0), 1e-6 * i) << i;
+      EXPECT_NEAR(shares.clipping.value_or(0), glm::length(lost) / std::sqrt(3.0), 1e-6 * i) << i;
       EXPECT_LT(shares.interpolation, 1e-6 * i);
     }
   }
