@@ -106,6 +106,7 @@ class AdaptiveBake {
     for (int pass = 0; pass < balancing_passes && !is_late(); ++pass) balance();
     cut_until(options_.tolerance);
     const std::size_t n_spoilt = take_stored_colors();
+    bound_closely(above(options_.tolerance));
 
     certificate.smallest_angle_after = smallest_angle();
     std::size_t unbounded = 0;
@@ -285,6 +286,25 @@ class AdaptiveBake {
         how.accept = how.reject = std::max(level - moved, 0.5 * level);
         const double known = bound_patch(patch, finish, scene_.lights, lights, how).bound;
         bounds_[f] = bound_with_change(known, moved, options_.tolerance_space);
+      }
+    });
+  }
+
+  /// Bounds near the truth, for what is told of triangles that stay open: bound() leaves them where it has
+  /// found an error above the level.
+  void bound_closely(const std::vector<std::uint32_t>& triangles) {
+    parallel_blocks(triangles.size(), block_size, [&](std::size_t begin, std::size_t end) {
+      std::vector<std::uint32_t> lights;
+      const BoundOptions how{.space = options_.tolerance_space};
+      for (std::size_t i = begin; i < end && !is_late(); ++i) {
+        const std::uint32_t f = triangles[i];
+        if (!std::isfinite(bounds_[f])) continue;
+        const Patch patch = colors_.patch(cut_.mesh().triangles[f]);
+        find_reaching_lights(scene_.lights, patch, lights);
+        const FinishRange finish = finishes_.over(cut_.mesh(), f);
+        const double known = bound_patch(patch, finish, scene_.lights, lights, how).bound;
+        const double moved = change_by_rounding(f, patch, finish);
+        bounds_[f] = std::min(bounds_[f], bound_with_change(known, moved, options_.tolerance_space));
       }
     });
   }
