@@ -65,8 +65,8 @@ void tell_unheeded(const BakeMethodOptions& options, Console& console) {
 /// A number, or a quotient of two.
 double parse_tolerance(const std::string& text) {
   const std::size_t slash = text.find('/');
-  double value = parse_numbers("--tolerance", text.substr(0, slash), 1, 1).front();
-  if (slash != std::string::npos) value /= parse_numbers("--tolerance", text.substr(slash + 1), 1, 1).front();
+  double value = parse_number("--tolerance", text.substr(0, slash));
+  if (slash != std::string::npos) value /= parse_number("--tolerance", text.substr(slash + 1));
   if (!(value > 0) || !std::isfinite(value))
     throw InvalidOption(fmt::format("--tolerance: expected a number above 0, found \"{}\"", text));
   return value;
@@ -135,10 +135,9 @@ BakeOptions bake_options(const BakeMethodOptions& options, Console& console) {
   return result;
 }
 
-BakedScene bake_scene(const Scene& scene, const BakeMethodOptions& options, Console& console,
+BakedScene bake_scene(const Scene& scene, const BakeMethodOptions& options, BakeOptions how, Console& console,
                       const ColorOutput& output) {
   tell_unheeded(options, console);
-  BakeOptions how = bake_options(options, console);
   how.output = output;
   BakedScene result;
   result.tolerance = how.tolerance;
@@ -203,6 +202,7 @@ void check_baked_path(const std::string& path, const OutputOptions& options) {
   }
   if (extension != "glb" && extension != "gltf")
     throw InvalidOption(fmt::format("-o {}: expected .glb, .gltf or .ply", path));
+  check_gltf_write_options(gltf_options(options));
 }
 
 ColorOutput output_of(const std::string& path, const SceneFile& file, const OutputOptions& options) {

@@ -46,8 +46,9 @@ struct BakedScene {
   double tolerance = 0;
 };
 
-/// @param output  what becomes of the colours; what is certified is that.
-BakedScene bake_scene(const Scene& scene, const BakeMethodOptions& options, Console& console,
+/// @param how  bake_options() of `options`. @param output  what becomes of the colours; what is certified is
+/// that.
+BakedScene bake_scene(const Scene& scene, const BakeMethodOptions& options, BakeOptions how, Console& console,
                       const ColorOutput& output);
 
 /// The certificate, and for auto the trials, where there are any.

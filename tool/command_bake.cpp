@@ -27,9 +27,10 @@ int bake_and_write(const BakeCommand& command) {
   Console console(command.scene.quiet);
   Stopwatch stopwatch;
   for (const std::string& path : command.outputs) check_baked_path(path, command.output);
+  const BakeOptions how = bake_options(command.method, console);
   LoadedScene loaded = load_scene(command.scene, console, stopwatch);
   console.stage("baking");
-  const BakedScene result = bake_scene(loaded.file.scene, command.method, console,
+  const BakedScene result = bake_scene(loaded.file.scene, command.method, how, console,
                                        output_of(command.outputs.front(), loaded.file, command.output));
   const BakedColors& baked = result.baked;
   console.tell(baked.findings);

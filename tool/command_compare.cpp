@@ -46,7 +46,7 @@ Threshold parse_threshold(const std::string& text) {
   const std::size_t equals = text.find('=');
   if (equals == std::string::npos || equals == 0)
     throw InvalidOption(fmt::format("--fail-above: expected METRIC=VALUE, found \"{}\"", text));
-  return {text.substr(0, equals), parse_numbers("--fail-above", text.substr(equals + 1), 1, 1).front()};
+  return {text.substr(0, equals), parse_number("--fail-above", text.substr(equals + 1))};
 }
 
 /// The number that a path names, or null if there is none.
@@ -125,18 +125,6 @@ int check_thresholds(const std::vector<Threshold>& thresholds, const nlohmann::o
   return exit_code;
 }
 
-/// The names of the lights; those without are called by kind and number: "sun 1".
-std::vector<std::string> light_names(const std::vector<Light>& lights) {
-  std::vector<std::string> names;
-  for (const Light& light : lights) {
-    const char* kind = light.type == LightType::directional ? "sun"
-                       : light.type == LightType::point     ? "lamp"
-                                                            : "spot";
-    names.push_back(light.name.empty() ? fmt::format("{} {}", kind, names.size() + 1) : light.name);
-  }
-  return names;
-}
-
 void write_text(const std::string& path, const std::string& text) {
   OutputFile file(path);
   file.write(text);
@@ -162,12 +150,14 @@ int compare_and_write(const CompareCommand& command, const std::string& command_
   resolve_metrics(thresholds);
   check_output_folder(command.folder);
   picture_size(command.camera);
+  check_baked_path("lit.glb", command.output);
+  const BakeOptions how = bake_options(command.method, console);
 
   LoadedScene loaded = load_scene(command.scene, console, stopwatch);
   const Scene& scene = loaded.file.scene;
   console.stage("baking");
   const ColorOutput output = output_of("lit.glb", loaded.file, command.output);
-  BakedScene result = bake_scene(scene, command.method, console, output);
+  BakedScene result = bake_scene(scene, command.method, how, console, output);
   BakedColors& baked = result.baked;
   const bool tells_gaps = baked.certificate || result.selection;
   if (!tells_gaps) baked.findings.insert(baked.findings.end(), output.gaps.begin(), output.gaps.end());
@@ -185,7 +175,7 @@ int compare_and_write(const CompareCommand& command, const std::string& command_
   comparison.n_lights = scene.lights.size();
   comparison.n_scene_vertices = scene.mesh.n_vertices();
   comparison.n_scene_triangles = scene.mesh.n_triangles();
-  comparison.light_names = light_names(scene.lights);
+  for (const Light& light : scene.lights) comparison.light_names.push_back(light.name);
   comparison.light_shares = light_shares(scene);
   comparison.findings = loaded.file.findings;
   comparison.findings.insert(comparison.findings.end(), baked.findings.begin(), baked.findings.end());

@@ -194,6 +194,15 @@ std::vector<float> parse_numbers(const std::string& option, const std::string& t
   return numbers;
 }
 
+double parse_number(const std::string& option, std::string_view text) {
+  double number = 0;
+  const char* const end = text.data() + text.size();
+  const auto [next, error] = std::from_chars(text.data(), end, number);
+  if (error != std::errc() || next != end || !std::isfinite(number))
+    throw InvalidOption(fmt::format("{}: expected a finite number, found \"{}\"", option, text));
+  return number;
+}
+
 void add_scene_options(CLI::App& command, SceneOptions& options) {
   command.add_option("INPUT", options.input, "mesh or scene: .ply .obj .off .stl .om .gltf .glb")->required();
   command.add_option("--sun", options.suns, "directional light, towards it: X,Y,Z[,R,G,B]; repeatable")
@@ -230,6 +239,8 @@ LoadedScene load_scene(const SceneOptions& options, Console& console, Stopwatch&
   console.stage("reading");
   loaded.file = read_scene_file(options.input, {options.gltf_scene, !options.no_file_lights});
   stopwatch.lap("read");
+  if (!options.gltf_scene.empty() && loaded.file.asset == nullptr)
+    loaded.notes.push_back(fmt::format("--scene says nothing to {}; it is for glTF", loaded.file.format));
   console.stage("normals");
   add_lights(options, loaded);
   apply_albedo(options.albedo, loaded.file);

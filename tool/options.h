@@ -5,6 +5,7 @@
 #include <glm/glm.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "console.h"
@@ -63,5 +64,8 @@ void check_picture_path(const std::string& path);
 /// `option`.
 std::vector<float> parse_numbers(const std::string& option, const std::string& text, std::size_t min_count,
                                  std::size_t max_count);
+
+/// One finite number. @throws InvalidOption naming `option`.
+double parse_number(const std::string& option, std::string_view text);
 
 }  // namespace lambake::tool

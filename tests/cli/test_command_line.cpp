@@ -118,6 +118,9 @@ TEST(CommandLine, Usage_WrongOptions_ExitWith2AndOneLine) {
                                 "compare in.off -o c --fail-above rmse",
                                 "compare in.off -o c --size 16x16 --fail-above nothing=1",
                                 "compare in.off -o c --views 3 --eye 1,2,3",
+                                "compare in.off -o c --fail-above rmse=x",
+                                "bake in.off -o a.glb --tolerance 0",
+                                "bake in.off -o a.glb --attribute light",
                                 "frobnicate in.off",
                                 "bake in.off -o a.glb --no-such-option"}) {
     const ToolResult result = run_tool(folder, arguments);

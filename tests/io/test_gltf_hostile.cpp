@@ -217,6 +217,8 @@ TEST(HostileGltf, EachSpoiltPart_IsRefusedInOneLineThatNamesIt) {
       {"unknown extension that is required", [](auto& j) { j["extensionsRequired"] = {"XYZ_secret"}; }, 3,
        "XYZ_secret"},
       {"glTF 1.0", [](auto& j) { j["asset"]["version"] = "1.0"; }, 3, "asset.version"},
+      {"a later version that is needed", [](auto& j) { j["asset"]["minVersion"] = "2.1"; }, 3,
+       "asset.minVersion"},
       {"no asset", [](auto& j) { j.erase("asset"); }, 3, "asset.version"},
       {"arrays that are numbers", [](auto& j) { j["accessors"] = 3; }, 3, ""},
       {"meshes that are strings",

@@ -6,6 +6,7 @@
 
 #include "io/glb_reader.h"
 #include "io/gltf_files.h"
+#include "io/lit_asset.h"
 #include "lambake/bake/bake.h"
 #include "lambake/core/bounds.h"
 #include "lambake/core/error.h"
@@ -154,6 +155,23 @@ TEST(GltfScene, Cameras_PerspectiveAndOrthographic_LookAlongTheirNodes) {
   EXPECT_EQ(scene.cameras[1].projection, Projection::orthographic);
   EXPECT_FLOAT_EQ(scene.cameras[1].half_height, 1);
   EXPECT_EQ(glm::vec3(scene.cameras[0].world_from_camera[3]), glm::vec3(0.5f, 0.5f, 3));
+}
+
+TEST(GltfScene, WhatIsLeftOutOrChanged_IsTold) {
+  ordered_json json = ordered_json::parse(read_bytes(meshes_folder() + "gltf/Duck/Duck.gltf"));
+  json["buffers"][0]["uri"] = meshes_folder() + "gltf/Duck/Duck0.bin";
+  json.erase("images"), json.erase("textures");
+  json["materials"][0]["pbrMetallicRoughness"] = {{"baseColorFactor", {1, 1, -0.5, 1}}};
+  const std::size_t indices = json["meshes"][0]["primitives"][0]["indices"];
+  json["accessors"][indices]["count"] = json["accessors"][indices]["count"].get<int>() - 1;
+  json["nodes"][0].erase("matrix");
+  json["nodes"][0]["rotation"] = {0, 0, 0, 2};
+  const std::string path = temporary_file("odd.gltf");
+  write_bytes(path, json.dump());
+  const Findings findings = read_gltf_file(path, {}).findings;
+  EXPECT_EQ(count_of(findings, "corners_left_over"), 2U);
+  EXPECT_EQ(count_of(findings, "rotations_not_unit"), 1U);
+  EXPECT_EQ(count_of(findings, "factors_clamped"), 1U);
 }
 
 TEST(GltfScene, SceneThatIsNotThere_IsRefused) {

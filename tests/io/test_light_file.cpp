@@ -125,6 +125,11 @@ TEST_F(LightFile, WrongValues_AreRefused_TellingThePlaceAndWhatWasExpected) {
   EXPECT_EQ(refusal(R"({"lights": [7]})"), "/lights/0: expected an object, found 7");
 }
 
+TEST_F(LightFile, AKeyTwice_IsRefused_InOtherObjectsItIsNot) {
+  EXPECT_EQ(refusal(R"({"lights": [{"type": "point", "position": [0, 0, 0], "decay": 1, "decay": 2}]})"),
+            "expected each key once in an object, found \"decay\" twice");
+}
+
 TEST_F(LightFile, NumbersBeyondFloat_AreRefused) {
   for (const char* number : {"1e39", "-1e39", "1e400"})
     EXPECT_NE(refusal_of_one("\"type\": \"point\", \"position\": [0, 0, " + std::string(number) + "]"),

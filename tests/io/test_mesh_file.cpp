@@ -350,6 +350,19 @@ TEST_F(MeshFileTest, PlyTextures_NamesInLatin1BecomeUtf8_NumbersThatAreNoneAreOf
   EXPECT_EQ(scene.mesh.materials, (std::vector<std::uint32_t>{0, 1, 1}));
 }
 
+TEST_F(MeshFileTest, PlyLinesAndBytesBehindTheLastElement_AreTold) {
+  const std::string text = ply("", "", 3, 1, "0 0 0\n1 0 0\n1 1 0\n3 0 1 2\n");
+  EXPECT_EQ(count_of(read("a.ply", text), "lines_left_over"), 0u);
+  EXPECT_EQ(count_of(read("a.ply", text + "3 0 1 2\n\n3 2 1 0\n"), "lines_left_over"), 2u);
+  std::string binary =
+      "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty double x\n"
+      "property float y\nproperty float z\nelement face 1\n"
+      "property list uchar int vertex_indices\nend_header\n";
+  binary += std::string(48, '\0') + std::string("\3\0\0\0\0\1\0\0\0\2\0\0\0", 13);
+  EXPECT_EQ(count_of(read("b.ply", binary + "\r\n"), "bytes_left_over"), 0u);
+  EXPECT_EQ(count_of(read("b.ply", binary + "12345"), "bytes_left_over"), 5u);
+}
+
 TEST_F(MeshFileTest, PlyTriangleStrips_WindAsOne) {
   const Mesh mesh =
       read("a.ply",
@@ -452,6 +465,8 @@ TEST_F(MeshFileTest, UnsoundFiles_AreRefusedWithThePlaceAndWhatWasExpected) {
       {"a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", "line 6", "below 3, found \"3\""},
       {"a.off", "OFF\n3 90 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", "line 2", "found \"90\""},
       {"a.off", "4OFF\n", "line 1", "found \"4OFF\""},
+      {"a.off", "OFF BINARY\n", "line 1", "found \"BINARY\""},
+      {"a.ply", ply("property float x\n", "", 3, 1, triangle), "line 7", "found \"x\""},
       {"a.stl", "solid\nfacet normal 0 0 0\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nendloop\n", "line 6",
        "expected \"vertex\""},
       {"a.stl", "solid\nfacet normal 0 0 0\nouter loop\nvertex 0 0 z\n", "line 4", "found \"z\""},

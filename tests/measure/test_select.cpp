@@ -10,7 +10,7 @@ namespace {
 
 TEST(SelectMethod, FlatGridUnderASun_NeedsNoMoreThanSampling) {
   const Selection selection = select_method(scene_of(grid(4, 1), {sun({0.4f, 1, 0.3f})}), {});
-  ASSERT_EQ(selection.trials.size(), 4U);
+  ASSERT_EQ(selection.trials.size(), 2U);  // What comes behind could not be smaller.
   EXPECT_TRUE(selection.is_certified);
   const MethodTrial& chosen = selection.trials[selection.chosen];
   EXPECT_TRUE(chosen.is_certified);

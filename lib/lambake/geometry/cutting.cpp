@@ -86,7 +86,7 @@ void CutMesh::make_vertices(std::span<const CutMark> marks) {
   std::iota(order.begin(), order.end(), 0U);
   const auto ends = [&](std::uint32_t i) { return std::tie(marks[i].low, marks[i].high); };
   std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return ends(a) < ends(b); });
-  // For each place the marks that it is the low end of.
+  // For each place the marks that it is the low end of, by their high ends.
   std::vector<std::uint32_t> begin(n_places_ + 1, 0);
   for (const CutMark& mark : marks) ++begin[mark.low + 1];
   std::partial_sum(begin.begin(), begin.end(), begin.begin());
@@ -97,8 +97,12 @@ void CutMesh::make_vertices(std::span<const CutMark> marks) {
       std::uint32_t low = mesh_.triangles[f][static_cast<int>(k)];
       std::uint32_t high = mesh_.triangles[f][static_cast<int>((k + 1) % 3)];
       if (places_[low] > places_[high]) std::swap(low, high);
-      for (std::uint32_t i = begin[places_[low]]; i < begin[places_[low] + 1]; ++i)
-        if (marks[order[i]].high == places_[high]) sides_.push_back({order[i], low, high, 3 * f + k});
+      const auto first = order.begin() + begin[places_[low]], last = order.begin() + begin[places_[low] + 1];
+      const auto found =
+          std::lower_bound(first, last, places_[high],
+                           [&](std::uint32_t i, std::uint32_t end) { return marks[i].high < end; });
+      if (found != last && marks[*found].high == places_[high])
+        sides_.push_back({*found, low, high, 3 * f + k});
     }
 
   // One new vertex for each pair of vertices, in the order of the marks.

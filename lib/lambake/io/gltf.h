@@ -17,6 +17,9 @@ struct GltfWriteOptions {
   std::string attribute = "COLOR_0";  ///< Or another, e.g. "_LIGHT", for engines with a shader of their own.
 };
 
+/// @throws InvalidOption unless the attribute is COLOR_0 or a name of the application's own.
+void check_gltf_write_options(const GltfWriteOptions& options);
+
 /// Writes a .glb or .gltf (+ .bin), whole or not at all: for a scene from a glTF file the asset as it was
 /// with its light added, otherwise a new asset with the mesh's arrays. @throws IoError.
 WrittenColors write_gltf_file(const std::string& path, const SceneFile& file, const BakedColors& baked,

@@ -51,6 +51,8 @@ class MaterialReader {
     fallback.is_double_sided = false;
     add_finding(findings_, "textures_left_out", n_left_out_,
                 "texture[ uses|s use] a third set of texture coordinates or ha[s|ve] no image; left out");
+    add_finding(findings_, "factors_clamped", n_clamped_,
+                "material[ has|s have] a factor below 0, or an opacity outside of 0 to 1; clamped");
   }
 
  private:
@@ -58,6 +60,10 @@ class MaterialReader {
     Material material;
     material.name = from.name;
     const std::vector<double>& factor = from.pbrMetallicRoughness.baseColorFactor;
+    const auto is_negative = [](double x) { return x < 0; };
+    n_clamped_ += std::any_of(factor.begin(), factor.end(), is_negative) ||
+                  std::any_of(from.emissiveFactor.begin(), from.emissiveFactor.end(), is_negative) ||
+                  (!factor.empty() && factor[3] > 1);
     material.base_color = color_of(factor, {1, 1, 1});
     if (!factor.empty()) material.opacity = static_cast<float>(std::clamp(factor[3], 0.0, 1.0));
     material.base_color_texture =
@@ -130,7 +136,7 @@ class MaterialReader {
   Scene& scene_;
   Findings& findings_;
   std::map<std::size_t, std::uint32_t> image_of_;
-  std::size_t n_left_out_ = 0;
+  std::size_t n_left_out_ = 0, n_clamped_ = 0;
 };
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <cmath>
 #include <limits>
 #include <numeric>
 #include <set>
@@ -77,6 +78,7 @@ class SceneReader {
         }
         const std::size_t n =
             primitive.indices >= 0 ? model().accessors[index_of(primitive.indices)].count : n_vertices;
+        if (primitive.mode == TINYGLTF_MODE_TRIANGLES) n_corners_left_over_ += n % 3;
         file_.n_faces += primitive.mode == TINYGLTF_MODE_TRIANGLES ? n / 3 : n < 3 ? 0 : n - 2;
       }
   }
@@ -217,9 +219,25 @@ class SceneReader {
     if (is_identity) mesh.source_vertices.clear();
   }
 
+  std::size_t n_rotations_not_unit() const {
+    std::size_t n = 0;
+    for (const tinygltf::Node& node : model().nodes) {
+      double square = 0;
+      for (const double x : node.rotation) square += x * x;
+      n += !node.rotation.empty() && std::abs(square - 1) > 1e-3;
+    }
+    return n;
+  }
+
   void tell() {
     add_finding(findings_, "points_and_lines", n_points_and_lines_,
                 "primitive[ is|s are] points or lines; kept as [it is|they are], not lit");
+    add_finding(findings_, "corners_left_over", n_corners_left_over_,
+                "corner[|s] at the end of lists of triangles make[s|] no triangle; left out");
+    add_finding(
+        findings_, "rotations_not_unit", n_rotations_not_unit(),
+        "node[ has a rotation that is|s have rotations that are] no unit quaternion; taken as [it is|they "
+        "are]");
     add_finding(findings_, "primitives_without_positions", n_without_positions_,
                 "placed primitive[ has|s have] no positions; kept as [it is|they are], not lit");
     add_finding(findings_, "flat_primitives", n_flat_,
@@ -251,7 +269,8 @@ class SceneReader {
   std::vector<std::size_t> nodes_;
   bool has_colors_ = false, has_opacities_ = false, has_texcoords_[2] = {false, false};
   std::uint32_t n_source_vertices_ = 0;
-  std::size_t n_points_and_lines_ = 0, n_without_positions_ = 0, n_flat_ = 0, n_skinned_ = 0, n_morphed_ = 0;
+  std::size_t n_corners_left_over_ = 0, n_points_and_lines_ = 0, n_without_positions_ = 0, n_flat_ = 0,
+              n_skinned_ = 0, n_morphed_ = 0;
 };
 
 }  // namespace

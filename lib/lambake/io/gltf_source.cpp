@@ -131,6 +131,9 @@ void check_asset(const GltfSource& source) {
   const std::string text = version;
   if (text.substr(0, 2) != "2.")
     throw IoError(source.path, fmt::format("asset.version: expected \"2.0\", found \"{}\"", text));
+  const GltfJson& least = member(member(source.json, "asset"), "minVersion");
+  if (least.is_string() && least != "2.0")
+    throw IoError(source.path, "asset.minVersion: expected \"2.0\", found " + least.dump());
   for (const GltfJson& name : member(source.json, "extensionsRequired"))
     if (!is_known_extension(name.get<std::string>()))
       throw IoError(source.path,

@@ -22,6 +22,7 @@ struct Member {
 
 // clang-format off
 constexpr Member members[] = {
+    {"asset/minVersion", Type::string},
     {"extensionsUsed/[]", Type::string},
     {"extensionsRequired/[]", Type::string},
     {"scene", Type::whole},

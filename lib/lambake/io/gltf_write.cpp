@@ -12,11 +12,15 @@ void tell_storage(Findings& findings, std::size_t clipped, std::size_t negative)
               "vert[ex has|ices have] a colour below 0; stored as 0");
 }
 
-WrittenColors write_gltf_file(const std::string& path, const SceneFile& file, const BakedColors& baked,
-                              const GltfWriteOptions& options) {
+void check_gltf_write_options(const GltfWriteOptions& options) {
   if (options.attribute != "COLOR_0" && !options.attribute.starts_with("_"))
     throw InvalidOption("attribute: expected COLOR_0 or a name that begins with _, found " +
                         options.attribute);
+}
+
+WrittenColors write_gltf_file(const std::string& path, const SceneFile& file, const BakedColors& baked,
+                              const GltfWriteOptions& options) {
+  check_gltf_write_options(options);
   if (file.asset) return write_gltf_asset(path, *file.asset, file.scene, baked, options);
   return write_new_gltf(path, file.scene, baked, options);
 }

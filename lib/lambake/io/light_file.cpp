@@ -6,6 +6,7 @@
 #include <initializer_list>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <set>
 #include <string_view>
 
 #include "lambake/core/error.h"
@@ -125,8 +126,17 @@ class LightReader {
 std::vector<Light> read_light_file(const std::string& path) {
   const std::string text = read_bytes(path);
   json document;
+  std::vector<std::set<std::string>> keys;  // Of the objects around the place, from the outermost on.
+  const auto check_key = [&](int, json::parse_event_t event, json& value) {
+    if (event == json::parse_event_t::object_start) keys.emplace_back();
+    if (event == json::parse_event_t::object_end) keys.pop_back();
+    if (event == json::parse_event_t::key && !keys.back().insert(value.get<std::string>()).second)
+      throw IoError(path, fmt::format("expected each key once in an object, found \"{}\" twice",
+                                      value.get<std::string>()));
+    return true;
+  };
   try {
-    document = json::parse(text);
+    document = json::parse(text, check_key);
   } catch (const json::exception& error) {
     throw IoError(path, std::string("expected JSON: ") + error.what());
   }

@@ -24,8 +24,9 @@ CanonicalFile scan(const std::string& path) {
                        : extension == "om"  ? scan_om
                                             : nullptr;
   if (scan_as == nullptr)
-    throw IoError(path,
-                  fmt::format("expected the extension ply, obj, off, stl or om, found \"{}\"", extension));
+    throw IoError(
+        path,
+        fmt::format("expected the extension ply, obj, off, stl, om, gltf or glb, found \"{}\"", extension));
   return scan_as(path);
 }
 

@@ -105,6 +105,8 @@ PlyHeader read_ply_header(const std::string& path, TextCursor& cursor) {
       }
       property.type = read_type(cursor);
       property.name = read_name(cursor, "the property's name");
+      for (const PlyProperty& other : header.elements.back().properties)
+        if (other.name == property.name) cursor.fail("a name that no other property has", property.name);
       header.elements.back().properties.push_back(std::move(property));
     } else {
       cursor.fail("a keyword of the header or \"end_header\"", keyword);

@@ -32,6 +32,8 @@ OffHeader scan_header(TextCursor& cursor) {
   header.has_normals = cursor.accept('N');
   for (const char c : {'O', 'F', 'F'})
     if (!cursor.accept(c)) start.fail(expected, start.token());
+  TextCursor ahead = cursor;
+  if (ahead.token() == "BINARY") cursor.fail("an OFF of text", "BINARY");
   return header;
 }
 

@@ -22,6 +22,13 @@
 namespace lambake {
 namespace {
 
+void tell_bytes_left_over(std::size_t n, Findings& findings) {
+  constexpr std::size_t n_of_a_line_end = 2;
+  if (n > n_of_a_line_end)
+    add_finding(findings, "bytes_left_over", n,
+                "byte[|s] behind the last element of the header [is|are] not read");
+}
+
 /// Values of an ASCII body. Like every reader of PLY it takes line ends for blanks.
 class AsciiBody {
  public:
@@ -39,6 +46,13 @@ class AsciiBody {
   }
   std::size_t remaining() const { return cursor_.remaining(); }
   std::size_t least_size(PlyType) const { return 2; }
+  void tell_rest(Findings& findings) {
+    cursor_.next_line();
+    std::size_t n_lines = 0;
+    for (; cursor_.skip_to_token(); cursor_.next_line()) ++n_lines;
+    add_finding(findings, "lines_left_over", n_lines,
+                "line[|s] behind the last element of the header [is|are] not read");
+  }
   std::string place() const { return fmt::format("line {}", cursor_.line()); }
 
  private:
@@ -92,6 +106,7 @@ class BinaryBody {
   }
   std::size_t remaining() const { return static_cast<std::size_t>(end_ - at_); }
   std::size_t least_size(PlyType type) const { return size_of(type); }
+  void tell_rest(Findings& findings) const { tell_bytes_left_over(remaining(), findings); }
   std::string place() const { return fmt::format("byte {}", at_ - begin_); }
 
  private:
@@ -396,6 +411,7 @@ class PlyScan {
 
   void finish() {
     kept_.finish(path_);
+    body_.tell_rest(file_.findings);
     if (!header_.has_linear_colors) decode_file_colors(file_.colors, file_.findings);
     if (corner_attributes_) corner_attributes_->finish();
     for (const std::string& name : header_.texture_files) {

@@ -109,6 +109,8 @@ Selection select_method(const Scene& scene, const BakeOptions& options) {
       selection.is_certified = trial.is_certified;
       selection.baked = std::move(baked);
     }
+    // What comes behind has as many vertices or more.
+    if (method == BakeMethod::sample && can_certify && trial.is_certified) break;
   }
   if (!can_certify)
     selection.baked.findings.insert(selection.baked.findings.end(), options.output.gaps.begin(),

@@ -31,9 +31,10 @@ struct Selection {
 };
 
 /// Tries face, sample, least-squares and adaptive with the options given (tolerance, limits, output), and
-/// takes the certified one of fewest bytes, of those the first: they are tried from the cheapest on. Where
-/// none is certified, adaptive is taken. Where nothing can be certified of the output (its gaps, which become
-/// findings of the result), nothing is cut: of the other three the one with the least error found is taken.
+/// takes the certified one of fewest bytes, of those the first: they are tried from the cheapest on, and none
+/// behind `sample` where that is certified. Where none is certified, adaptive is taken. Where nothing can be
+/// certified of the output (its gaps, which become findings of the result), nothing is cut: of the other
+/// three the one with the least error found is taken.
 Selection select_method(const Scene& scene, const BakeOptions& options);
 
 /// Bytes of a mesh in a GLB of one material without textures: positions and normals as float, colours of
