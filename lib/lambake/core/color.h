@@ -1,7 +1,9 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 
 namespace lambake {
@@ -58,6 +60,14 @@ Real srgb_decode(Real encoded) {
   return encoded <= Real(0.04045) ? encoded / Real(12.92)
                                   : std::pow((encoded + Real(0.055)) / Real(1.055), Real(2.4));
 }
+
+/// srgb_decode() of the 256 values that a byte has.
+inline const std::array<float, 256> linear_of_byte = [] {
+  std::array<float, 256> linear{};
+  for (std::size_t i = 0; i < linear.size(); ++i)
+    linear[i] = static_cast<float>(srgb_decode(double(i) / 255));
+  return linear;
+}();
 
 /// Where colours are compared: as they are, or as a screen shows them (sRGB-encoded, clamped to [0,1]).
 enum class ErrorSpace { linear, display };

@@ -271,7 +271,10 @@ class NewAsset {
 
   static Picture picture_of(const Image& image) {
     Picture picture{image.width, image.height, {}};
-    for (const glm::vec4& p : image.pixels) picture.pixels.push_back({p.r, p.g, p.b});
+    for (std::size_t i = 0; i < image.n_pixels(); ++i) {
+      const glm::vec4 p = image.pixel(i);
+      picture.pixels.push_back({p.r, p.g, p.b});
+    }
     return picture;
   }
 

@@ -57,12 +57,11 @@ std::string encode_exr(const Picture& picture, const std::string& name) {
 }
 
 /// sRGB-encoded integers to linear, by table.
-template <typename Integer>
+/// srgb_decode() of 65,536 values.
 std::vector<float> decode_table() {
-  std::vector<float> table(std::size_t{std::numeric_limits<Integer>::max()} + 1);
+  std::vector<float> table(65536);
   for (std::size_t i = 0; i < table.size(); ++i)
-    table[i] =
-        static_cast<float>(srgb_decode(static_cast<double>(i) / static_cast<double>(table.size() - 1)));
+    table[i] = static_cast<float>(srgb_decode(static_cast<double>(i) / 65535));
   return table;
 }
 
@@ -73,13 +72,30 @@ std::array<Value, 4> rgba(const Value* p, int n_channels, Value opaque) {
   return {p[0], p[0], p[0], n_channels == 2 ? p[1] : opaque};
 }
 
-template <typename Integer>
-void decode_pixels(const std::vector<Integer>& values, int n_channels, Image& image) {
-  static const std::vector<float> linear = decode_table<Integer>();
-  constexpr Integer opaque = std::numeric_limits<Integer>::max();
+void take_pixels(const std::vector<std::uint8_t>& values, int n_channels, Image& image) {
+  image.bytes.resize(values.size() / static_cast<std::size_t>(n_channels));
+  for (std::size_t i = 0; i < image.bytes.size(); ++i) {
+    const auto c =
+        rgba(values.data() + i * static_cast<std::size_t>(n_channels), n_channels, std::uint8_t{255});
+    image.bytes[i] = {c[0], c[1], c[2], c[3]};
+  }
+}
+
+void take_pixels(const std::vector<std::uint16_t>& values, int n_channels, Image& image) {
+  static const std::vector<float> linear = decode_table();
+  image.pixels.resize(values.size() / static_cast<std::size_t>(n_channels));
   for (std::size_t i = 0; i < image.pixels.size(); ++i) {
-    const auto c = rgba(values.data() + i * static_cast<std::size_t>(n_channels), n_channels, opaque);
-    image.pixels[i] = {linear[c[0]], linear[c[1]], linear[c[2]], float(c[3]) / float(opaque)};
+    const auto c =
+        rgba(values.data() + i * static_cast<std::size_t>(n_channels), n_channels, std::uint16_t{65535});
+    image.pixels[i] = {linear[c[0]], linear[c[1]], linear[c[2]], float(c[3]) / 65535.0f};
+  }
+}
+
+void take_pixels(const std::vector<float>& values, int n_channels, Image& image) {  // linear already
+  image.pixels.resize(values.size() / static_cast<std::size_t>(n_channels));
+  for (std::size_t i = 0; i < image.pixels.size(); ++i) {
+    const auto c = rgba(values.data() + i * static_cast<std::size_t>(n_channels), n_channels, 1.0f);
+    image.pixels[i] = {c[0], c[1], c[2], c[3]};
   }
 }
 
@@ -104,29 +120,18 @@ Image decoded(OIIO::ImageInput& input, const std::string& name) {
   const int n_channels = std::min(spec.nchannels, 4);
   Image image{static_cast<std::uint32_t>(spec.width), static_cast<std::uint32_t>(spec.height), {}};
   const std::size_t n_values = static_cast<std::size_t>(n) * static_cast<std::size_t>(n_channels);
-  const auto read = [&](OIIO::TypeDesc type, void* values) {
-    if (!input.read_image(0, 0, 0, n_channels, type, values))
+  const auto read = [&]<typename Value>(Value, OIIO::TypeDesc type) {
+    std::vector<Value> values(n_values);
+    if (!input.read_image(0, 0, 0, n_channels, type, values.data()))
       throw IoError(name, "cannot be decoded: " + first_line(input.geterror(), "unknown reason"));
+    take_pixels(values, n_channels, image);
   };
-  if (spec.format == OIIO::TypeDesc::UINT8) {
-    std::vector<std::uint8_t> values(n_values);
-    read(OIIO::TypeDesc::UINT8, values.data());
-    image.pixels.resize(n);
-    decode_pixels(values, n_channels, image);
-  } else if (spec.format.is_floating_point()) {  // linear already
-    std::vector<float> values(n_values);
-    read(OIIO::TypeDesc::FLOAT, values.data());
-    image.pixels.resize(n);
-    for (std::size_t i = 0; i < n; ++i) {
-      const auto c = rgba(values.data() + i * static_cast<std::size_t>(n_channels), n_channels, 1.0f);
-      image.pixels[i] = {c[0], c[1], c[2], c[3]};
-    }
-  } else {
-    std::vector<std::uint16_t> values(n_values);
-    read(OIIO::TypeDesc::UINT16, values.data());
-    image.pixels.resize(n);
-    decode_pixels(values, n_channels, image);
-  }
+  if (spec.format == OIIO::TypeDesc::UINT8)
+    read(std::uint8_t{}, OIIO::TypeDesc::UINT8);
+  else if (spec.format.is_floating_point())
+    read(float{}, OIIO::TypeDesc::FLOAT);
+  else
+    read(std::uint16_t{}, OIIO::TypeDesc::UINT16);
   return image;
 }
 

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <glm/gtc/type_precision.hpp>
 #include <limits>
 #include <string>
 #include <vector>
@@ -10,12 +12,21 @@
 
 namespace lambake {
 
-/// Pixels of a texture, decoded: linear RGB and opacity, row by row from the top. W×H.
+/// Pixels of a texture, row by row from the top. W×H, as bytes or as floats.
 struct Image {
   std::uint32_t width = 0, height = 0;
-  std::vector<glm::vec4> pixels;  ///< W·H; rgb linear, a in [0,1].
+  std::vector<glm::vec4> pixels;     ///< W·H, or none; rgb linear, a in [0,1].
+  std::vector<glm::u8vec4> bytes{};  ///< W·H, or none: rgb sRGB-encoded and a, of 255.
   /// The bytes of the PNG or JPEG that the pixels are from, to be written again; or none.
   std::string file{};
+
+  std::size_t n_pixels() const { return bytes.empty() ? pixels.size() : bytes.size(); }
+  /// Linear RGB and opacity of a pixel, row · width + column.
+  glm::vec4 pixel(std::size_t i) const {
+    if (bytes.empty()) return pixels[i];
+    const glm::u8vec4 b = bytes[i];
+    return {linear_of_byte[b.r], linear_of_byte[b.g], linear_of_byte[b.b], float(b.a) / 255.0f};
+  }
 };
 
 enum class TextureWrap { repeat, clamp_to_edge, mirrored_repeat };

@@ -41,10 +41,12 @@ TexelRange texel_range(const Scene& scene, const Texture& texture, const glm::dv
 TexelRange whole_range(const Scene& scene, const Texture& texture) {
   TexelRange range;
   const Image& image = scene.images[texture.image];
-  if (image.pixels.empty()) return range;
+  if (image.n_pixels() == 0) return range;
   range = {glm::dvec3(1e300), glm::dvec3(-1e300)};
-  for (const glm::vec4& pixel : image.pixels)
-    range.low = glm::min(range.low, glm::dvec3(pixel)), range.high = glm::max(range.high, glm::dvec3(pixel));
+  for (std::size_t i = 0; i < image.n_pixels(); ++i) {
+    const glm::dvec3 pixel(image.pixel(i));
+    range.low = glm::min(range.low, pixel), range.high = glm::max(range.high, pixel);
+  }
   range.low *= 1 - 1e-6, range.high *= 1 + 1e-6;
   return range;
 }

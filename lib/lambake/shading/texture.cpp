@@ -34,13 +34,13 @@ std::uint32_t wrap_index(std::int64_t i, std::uint32_t size, TextureWrap mode) {
 
 glm::vec4 sample_texture(const Scene& scene, const Texture& texture, const glm::vec2& uv) {
   const Image& image = scene.images[texture.image];
-  if (image.pixels.empty()) return glm::vec4(1);
+  if (image.n_pixels() == 0) return glm::vec4(1);
   const glm::dvec3 placed = glm::dmat3(texture.transform) * glm::dvec3(uv, 1);
   const double x = wrap(placed.x, texture.wrap_s) * image.width;
   const double y = wrap(placed.y, texture.wrap_t) * image.height;
   const auto texel = [&](std::int64_t i, std::int64_t j) {
     const std::size_t row = wrap_index(j, image.height, texture.wrap_t);
-    return image.pixels[row * image.width + wrap_index(i, image.width, texture.wrap_s)];
+    return image.pixel(row * image.width + wrap_index(i, image.width, texture.wrap_s));
   };
   if (texture.filter == TextureFilter::nearest)
     return texel(static_cast<std::int64_t>(x), static_cast<std::int64_t>(y));
