@@ -1,2 +1,2 @@
 # What the library needs, for the build and for whoever finds the installed package.
-set(lambake_dependencies draco Eigen3 fmt glm hwy meshoptimizer nlohmann_json OpenMesh TBB TinyGLTF)
+set(lambake_dependencies draco fmt glm hwy meshoptimizer nlohmann_json OpenMesh TBB TinyGLTF)

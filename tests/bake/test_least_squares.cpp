@@ -5,6 +5,7 @@
 
 #include "lambake/bake/bake.h"
 #include "lambake/core/error.h"
+#include "lambake/core/parallel.h"
 #include "lambake/measure/surface_error.h"
 #include "measure/scenes.h"
 
@@ -62,6 +63,41 @@ TEST(LeastSquares, MoreGradientWeight_CostsRmse) {
     EXPECT_GT(now, previous);
     previous = now;
   }
+}
+
+// Only linear functions have no jumps of their slope on a plane.
+TEST(LeastSquares, HugeGradientWeight_LeavesALinearFunction) {
+  constexpr int n = 6;
+  const Scene scene = scene_of(grid(n, 1), {lamp({0.2f, 0.4f, 0.1f}, {0.1f, 0.2f, 0.1f})});
+  const auto largest_bend = [&](double weight) {
+    const std::vector<LinearRgb> colors = least_squares(scene, weight).colors;
+    float largest = 0;
+    for (std::size_t v = 0; v < colors.size(); ++v) {
+      const std::size_t row = v / (n + 1), column = v % (n + 1);
+      if (column > 0 && column < n)
+        largest = std::max(largest, std::abs(colors[v - 1].g - 2 * colors[v].g + colors[v + 1].g));
+      if (row > 0 && row < n)
+        largest = std::max(largest, std::abs(colors[v - n - 1].g - 2 * colors[v].g + colors[v + n + 1].g));
+    }
+    return largest;
+  };
+  EXPECT_GT(largest_bend(0), 0.1f);
+  EXPECT_NEAR(largest_bend(1e3) / largest_bend(1e4), 10, 0.1);  // once small it is in inverse proportion
+}
+
+// More than one block of rows, and one long row.
+TEST(LeastSquares, OneOrTwoThreads_SameBits) {
+  Mesh mesh = icosphere(4);
+  const auto hub = static_cast<std::uint32_t>(mesh.n_vertices());
+  mesh.positions.push_back({0, 1.5f, 0});
+  for (std::uint32_t v = 0; v + 1 < hub; ++v) mesh.triangles.push_back({hub, v, v + 1});
+  const Scene scene = scene_of(mesh, {sun({0.4f, 1, 0.3f}, {0.9f, 0.5f, 0.2f})});
+  set_thread_count(1);
+  const std::vector<LinearRgb> one = least_squares(scene, 0.003).colors;
+  set_thread_count(2);
+  const std::vector<LinearRgb> two = least_squares(scene, 0.003).colors;
+  set_thread_count(0);
+  EXPECT_EQ(one, two);
 }
 
 TEST(LeastSquares, CopiesAtASeam_KeepOneColour) {

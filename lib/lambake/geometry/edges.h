@@ -16,7 +16,7 @@ struct EdgeSide {
 };
 
 /// The sides of all triangles that name three different source vertices, sorted by (low, high, corner): the
-/// sides of one edge lie together. O(F log F).
+/// sides of one edge lie together. O(F) but for the sorting of what one vertex has.
 std::vector<EdgeSide> sorted_edge_sides(const Mesh& mesh);
 
 /// Calls `visit(std::span<const EdgeSide>)` once for each edge.
