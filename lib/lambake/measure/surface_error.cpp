@@ -59,11 +59,8 @@ class TriangleError {
     const glm::dvec3 f = reference_at(patch_, surface_.scene().lights, lights_, finish.is_unlit, b);
     const glm::dvec3 g = patch_.colors * b;
     if (space_ == ErrorSpace::linear) return finish.base * (g - f);
-    glm::dvec3 error;
-    for (int c = 0; c < 3; ++c)
-      error[c] = compared(finish.emission[c] + finish.base[c] * g[c], space_) -
-                 compared(finish.emission[c] + finish.base[c] * f[c], space_);
-    return error;
+    return compared(finish.emission + finish.base * g, space_) -
+           compared(finish.emission + finish.base * f, space_);
   }
 
   /// The triangle cut along the terminators of its lights (their chords, where they are curves), as long as
