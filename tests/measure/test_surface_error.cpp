@@ -75,6 +75,30 @@ TEST(SurfaceError, SmallScenes_AgreeWithBruteForceInBothSpaces) {
     }
 }
 
+TEST(SurfaceErrors, StoredCoarsely_AgreeWithOneByOne) {
+  for (const NamedScene& s : small_scenes()) {
+    SCOPED_TRACE(s.name);
+    const BakedColors computed = bake(s.scene, {.method = BakeMethod::sample});
+    BakedColors stored = computed;
+    take_stored_colors(s.scene, storing([](const LinearRgb& c) {
+                         const auto step = [](float x) { return std::round(std::min(x, 1.0f) * 16) / 16; };
+                         return LinearRgb{step(c.r), step(c.g), step(c.b)};
+                       }),
+                       stored);
+    const SurfaceErrors errors = surface_errors(s.scene, stored, computed.colors);
+    const SurfaceError linear = surface_error(s.scene, stored, ErrorSpace::linear);
+    const SurfaceError display = surface_error(s.scene, stored, ErrorSpace::display);
+    // Each is integrated to 2e-4 of its RMSE.
+    EXPECT_NEAR(errors.linear.rmse, linear.rmse, 5e-4 * linear.rmse);
+    EXPECT_NEAR(errors.display.rmse, display.rmse, 5e-4 * display.rmse);
+    EXPECT_NEAR(errors.display.max_sampled, display.max_sampled, 1e-3 * display.max_sampled);
+    const double before = surface_error(s.scene, computed, ErrorSpace::linear).rmse;
+    EXPECT_NEAR(errors.computed_rmse, before, 5e-4 * before);
+    const SurfaceErrors as_computed = surface_errors(s.scene, computed, computed.colors);
+    EXPECT_EQ(as_computed.computed_rmse, as_computed.linear.rmse);
+  }
+}
+
 TEST(SurfaceError, FlatFaceUnderASun_IsZero) {
   const Scene scene = scene_of(grid(1, 1), {sun({0, 1, 0}), sun({0, -1, 0})});
   const SurfaceError error = surface_error(scene, bake(scene, {}), ErrorSpace::display);
