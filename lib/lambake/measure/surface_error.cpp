@@ -272,16 +272,17 @@ Integrals integrate(const ComparedSurface& surface, std::span<const Measure> mea
     }
   });
 
-  // Each triangle may be wrong by its equal part of 4e-4 of the whole: the RMSE by half of that. The whole is
-  // known only roughly at first, so this is done again where it turns out smaller.
-  PerMeasure<double> previous_totals, allowed;
-  previous_totals.fill(std::numeric_limits<double>::infinity());
-  allowed.fill(std::numeric_limits<double>::infinity());
+  // Each triangle may be wrong by its equal part of 4e-4 of the whole: the RMSE by half of that. The noise of
+  // a texture has either sign and adds up as its squares do: there 1e-4 of the whole over √n is enough, and
+  // leaves room for tiles that are all alike. The whole is known only roughly at first, so this is done again
+  // where it turns out smaller.
+  PerMeasure<double> previous_totals, allowed, allowed_noise;
+  for (auto* values : {&previous_totals, &allowed, &allowed_noise})
+    values->fill(std::numeric_limits<double>::infinity());
   for (int round = 0; round < 4; ++round) {
     PerMeasure<bool> is_new{};
     for (std::size_t m = 0; m < measures.size(); ++m) {
-      double total = 0;
-      std::size_t n_with_error = 0;
+      double total = 0, n_with_error = 0;
       for (std::size_t f = 0; f < n; ++f) {
         total += areas[f] * sums[f][m].square;
         n_with_error += areas[f] * sums[f][m].square > 0;
@@ -289,18 +290,17 @@ Integrals integrate(const ComparedSurface& surface, std::span<const Measure> mea
       is_new[m] = total < 0.9 * previous_totals[m];
       if (!is_new[m]) continue;
       previous_totals[m] = total;
-      allowed[m] = 4e-4 * total / static_cast<double>(std::max<std::size_t>(1, n_with_error));
+      allowed[m] = 4e-4 * total / std::max(1.0, n_with_error);
+      allowed_noise[m] = 1e-4 * total / std::sqrt(std::max(1.0, n_with_error));
     }
-    const auto is_open = [&](std::size_t f) {
-      for (std::size_t m = 0; m < measures.size(); ++m)
-        if (is_new[m] && areas[f] * uncertainties[f][m] > allowed[m]) return true;
-      return false;
-    };
     parallel_blocks(n, block_size, [&](std::size_t begin, std::size_t end) {
       for (std::size_t f = begin; f < end; ++f) {
-        if (!is_open(f)) continue;
-        PerMeasure<double> tolerances = allowed;
+        PerMeasure<double> tolerances = surface.has_texture(f) ? allowed_noise : allowed;
         for (double& tolerance : tolerances) tolerance /= areas[f];
+        bool is_open = false;
+        for (std::size_t m = 0; m < measures.size(); ++m)
+          is_open |= is_new[m] && uncertainties[f][m] > tolerances[m];
+        if (!is_open) continue;
         const PerMeasure<Sums> rough = sums[f];
         sums[f] = integrate(TriangleError(surface, f, measures), tolerances);
         for (std::size_t m = 0; m < measures.size(); ++m) sums[f][m].see(rough[m]);
