@@ -179,15 +179,15 @@ int compare_and_write(const CompareCommand& command, const std::string& command_
   comparison.light_shares = light_shares(scene);
   comparison.findings = loaded.file.findings;
   comparison.findings.insert(comparison.findings.end(), baked.findings.begin(), baked.findings.end());
-  comparison.shares = error_shares(scene, baked, output);
   // What is compared is what the GLB holds.
   const std::vector<LinearRgb> computed = baked.colors;
   take_stored_colors(scene, output, baked);
   compare_views(command, scene, baked, console, comparison);
   stopwatch.lap("pictures");
   console.stage("surface error");
-  comparison.surface_linear = surface_error(scene, baked, ErrorSpace::linear);
-  comparison.surface_display = surface_error(scene, baked, ErrorSpace::display);
+  SurfaceErrors errors = surface_errors(scene, baked, computed);
+  comparison.surface_linear = std::move(errors.linear);
+  comparison.surface_display = std::move(errors.display);
   stopwatch.lap("surface");
   console.stage("certified bound");
   // Triangles that cannot be worse than the worst place found need no closer look.
@@ -202,6 +202,7 @@ int compare_and_write(const CompareCommand& command, const std::string& command_
     comparison.trials = result.selection->trials;
   }
   baked.colors = computed;
+  comparison.shares = error_shares(scene, baked, output, errors.computed_rmse);
 
   console.stage("writing");
   OutputFolder folder(command.folder);

@@ -11,11 +11,15 @@
 namespace lambake {
 namespace {
 
+ErrorShares shares_of(const Scene& scene, const BakedColors& baked, const ColorOutput& output) {
+  return error_shares(scene, baked, output, surface_error(scene, baked, ErrorSpace::linear).rmse);
+}
+
 TEST(ErrorShares, FlatGridThatClips_ErrsByTheClippingAlone) {
   const Scene scene = scene_of(grid(2, 1), {sun({0, 1, 0}, {1.5f, 1, 0.25f})});
-  const ErrorShares shares = error_shares(scene, bake(scene, {}), storing([](const LinearRgb& c) {
-                                            return LinearRgb{std::min(c.r, 1.0f), c.g, c.b};
-                                          }));
+  const ErrorShares shares = shares_of(scene, bake(scene, {}), storing([](const LinearRgb& c) {
+                                         return LinearRgb{std::min(c.r, 1.0f), c.g, c.b};
+                                       }));
   EXPECT_LT(shares.interpolation, 1e-15);  // rounding of the interpolation
   EXPECT_NEAR(shares.clipping.value(), 0.5 / std::sqrt(3.0), 1e-12);
   EXPECT_EQ(shares.quantisation.value(), 0);
@@ -29,7 +33,7 @@ LinearRgb in_eighths(const LinearRgb& c) {
 TEST(ErrorShares, CoarseSteps_AreTheQuantisation) {
   const Scene scene = scene_of(icosphere(3), {sun({0.4f, 1, 0.3f})});
   BakedColors baked = bake(scene, {});
-  const ErrorShares shares = error_shares(scene, baked, storing(in_eighths));
+  const ErrorShares shares = shares_of(scene, baked, storing(in_eighths));
   EXPECT_EQ(shares.clipping.value(), 0);
   // A value is off by 1/8/√12 in the mean square where it is spread evenly; half of the sphere is black.
   EXPECT_GT(shares.quantisation.value(), 0.3 * 0.125 / std::sqrt(12.0));
@@ -44,7 +48,7 @@ TEST(ErrorShares, OfAdaptive_AreInOne) {
   const Scene scene = scene_of(icosphere(2), {sun({0.4f, 1, 0.3f})});
   const ColorOutput output = storing(in_eighths);
   const ErrorShares shares =
-      error_shares(scene, bake(scene, {.method = BakeMethod::adaptive, .output = output}), output);
+      shares_of(scene, bake(scene, {.method = BakeMethod::adaptive, .output = output}), output);
   EXPECT_GT(shares.interpolation, 0);
   EXPECT_FALSE(shares.clipping);
   EXPECT_FALSE(shares.quantisation);

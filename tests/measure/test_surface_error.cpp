@@ -5,7 +5,9 @@
 #include <cmath>
 
 #include "lambake/core/parallel.h"
+#include "lambake/measure/bound.h"
 #include "lambake/shading/lambert.h"
+#include "lambake/shading/texture.h"
 #include "scenes.h"
 
 namespace lambake {
@@ -25,6 +27,12 @@ Truth brute_force(const Scene& scene, const BakedColors& baked, ErrorSpace space
   const Mesh& mesh = scene.mesh;
   double area = 0, square = 0, absolute = 0, plain = 0;
   Truth truth;
+  const auto base_color = [&](const glm::uvec3& t, const glm::dvec3& b) {
+    if (scene.textures.empty()) return glm::dvec3(1);
+    glm::dvec2 uv(0);
+    for (int c = 0; c < 3; ++c) uv += b[c] * glm::dvec2(mesh.texcoords[0][t[c]]);
+    return glm::dvec3(sample_texture(scene, scene.textures[0], glm::vec2(uv)));
+  };
   for (const glm::uvec3& t : mesh.triangles) {
     glm::dmat3 p, normal, color, albedo(1, 1, 1, 1, 1, 1, 1, 1, 1);
     for (int c = 0; c < 3; ++c) {
@@ -39,9 +47,11 @@ Truth brute_force(const Scene& scene, const BakedColors& baked, ErrorSpace space
     const double weight = triangle_area / (3.0 * n * n);
     const auto visit = [&](double i, double j) {
       const glm::dvec3 b(1 - (i + j) / n, i / n, j / n);
-      const glm::dvec3 f = (albedo * b) * irradiance<double>(scene.lights, p * b, glm::normalize(normal * b));
+      const glm::dvec3 base = base_color(t, b);
+      const glm::dvec3 f =
+          base * (albedo * b) * irradiance<double>(scene.lights, p * b, glm::normalize(normal * b));
       for (int c = 0; c < 3; ++c) {
-        const double g = (color * b)[c];
+        const double g = base[c] * (color * b)[c];
         const double e = space == ErrorSpace::linear ? g - f[c] : on_screen(g) - on_screen(f[c]);
         square += weight * e * e, absolute += weight * std::abs(e), plain += weight * e;
         truth.max = std::max(truth.max, std::abs(e));
@@ -73,6 +83,55 @@ TEST(SurfaceError, SmallScenes_AgreeWithBruteForceInBothSpaces) {
       EXPECT_GE(error.max_sampled, truth.max * 0.999);
       EXPECT_LE(error.max_sampled, truth.max * 1.05);
     }
+}
+
+TEST(SurfaceError, NoisyTexture_AgreesWithBruteForceInBothSpaces) {
+  Scene scene = scene_of(grid(10, 1), {lamp({0.2f, 0.4f, 0.1f}, {0.2f, 0.2f, 0.2f})});
+  scene.mesh.texcoords[0].clear();
+  for (const glm::vec3& p : scene.mesh.positions) scene.mesh.texcoords[0].emplace_back(p.x, p.z);
+  Image image{32, 32, {}};
+  std::uint32_t state = 1;
+  const auto noise = [&state] {
+    return static_cast<float>((state = state * 1664525U + 1013904223U) >> 8) * 0x1p-24f;
+  };
+  for (int i = 0; i < 32 * 32; ++i) image.pixels.emplace_back(noise(), noise(), noise(), 1.0f);
+  scene.images.push_back(image);
+  scene.textures.emplace_back();
+  scene.materials[0].base_color_texture = 0;
+  const BakedColors baked = bake(scene, {});
+  for (const ErrorSpace space : {ErrorSpace::linear, ErrorSpace::display}) {
+    const Truth truth = brute_force(scene, baked, space, 64);
+    const SurfaceError error = surface_error(scene, baked, space);
+    EXPECT_NEAR(error.rmse, truth.rmse, 1e-3 * truth.rmse);
+    EXPECT_NEAR(error.mae, truth.mae, 5e-3 * truth.mae);
+    EXPECT_NEAR(error.mean, truth.mean, 5e-3 * truth.mae);
+    EXPECT_GE(error.max_sampled, truth.max * 0.99);
+    EXPECT_LE(error.max_sampled, surface_bound(scene, baked, {.space = space}).max_bound);
+  }
+}
+
+TEST(SurfaceErrors, StoredCoarsely_AgreeWithOneByOne) {
+  for (const NamedScene& s : small_scenes()) {
+    SCOPED_TRACE(s.name);
+    const BakedColors computed = bake(s.scene, {.method = BakeMethod::sample});
+    BakedColors stored = computed;
+    take_stored_colors(s.scene, storing([](const LinearRgb& c) {
+                         const auto step = [](float x) { return std::round(std::min(x, 1.0f) * 16) / 16; };
+                         return LinearRgb{step(c.r), step(c.g), step(c.b)};
+                       }),
+                       stored);
+    const SurfaceErrors errors = surface_errors(s.scene, stored, computed.colors);
+    const SurfaceError linear = surface_error(s.scene, stored, ErrorSpace::linear);
+    const SurfaceError display = surface_error(s.scene, stored, ErrorSpace::display);
+    // Each is integrated to 2e-4 of its RMSE.
+    EXPECT_NEAR(errors.linear.rmse, linear.rmse, 5e-4 * linear.rmse);
+    EXPECT_NEAR(errors.display.rmse, display.rmse, 5e-4 * display.rmse);
+    EXPECT_NEAR(errors.display.max_sampled, display.max_sampled, 1e-3 * display.max_sampled);
+    const double before = surface_error(s.scene, computed, ErrorSpace::linear).rmse;
+    EXPECT_NEAR(errors.computed_rmse, before, 5e-4 * before);
+    const SurfaceErrors as_computed = surface_errors(s.scene, computed, computed.colors);
+    EXPECT_EQ(as_computed.computed_rmse, as_computed.linear.rmse);
+  }
 }
 
 TEST(SurfaceError, FlatFaceUnderASun_IsZero) {

@@ -118,7 +118,8 @@ TEST(Clipping, BrighterAndBrighter_EachMethodsColoursAreClippedAndCounted_AndThe
         EXPECT_NEAR(c.r, i, 1e-6 * i);
         EXPECT_NEAR(clip(c).b, kept.b, 1e-6);
       }
-      const ErrorShares shares = error_shares(scene, baked, storing(clip));
+      const ErrorShares shares =
+          error_shares(scene, baked, storing(clip), surface_error(scene, baked, ErrorSpace::linear).rmse);
       EXPECT_NEAR(shares.clipping.value_or(0), glm::length(lost) / std::sqrt(3.0), 1e-6 * i) << i;
       EXPECT_LT(shares.interpolation, 1e-6 * i);
     }
@@ -136,7 +137,8 @@ TEST(Storage, InTheDark_EachMethodsColoursLoseHalfAStepAtMost_AndCuttingForItIsN
     const Scene scene = scene_of(icosphere(2), {sun({0.4f, 1, 0.3f}, dark)});
     for (const BakeMethod method : every_method) {
       const BakedColors baked = bake(scene, {.method = method, .output = storing(as_u8)});
-      const ErrorShares shares = error_shares(scene, baked, storing(as_u8));
+      const ErrorShares shares =
+          error_shares(scene, baked, storing(as_u8), surface_error(scene, baked, ErrorSpace::linear).rmse);
       EXPECT_EQ(shares.quantisation.has_value(), method != BakeMethod::adaptive);
       EXPECT_LE(shares.quantisation.value_or(0), 0.5 / 255 + 1e-9);
       if (method != BakeMethod::adaptive) continue;

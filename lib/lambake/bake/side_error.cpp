@@ -11,12 +11,8 @@ SideError side_error(const Patch& patch, const FinishRange& finish, std::span<co
   const auto error_at = [&](double t) {
     const glm::dvec3 b(1 - t, t, 0);
     const glm::dvec3 f = reference_at(patch, all, lights, finish.is_unlit, b), g = patch.colors * b;
-    glm::dvec3 error;
-    for (int c = 0; c < 3; ++c) {
-      const double base = finish.base_high[c], emission = finish.emission_low[c];
-      error[c] = compared(emission + base * f[c], space) - compared(emission + base * g[c], space);
-    }
-    return error;
+    return compared(finish.emission_low + finish.base_high * f, space) -
+           compared(finish.emission_low + finish.base_high * g, space);
   };
   const auto largest = [](const glm::dvec3& e) {
     return std::max({std::abs(e[0]), std::abs(e[1]), std::abs(e[2])});

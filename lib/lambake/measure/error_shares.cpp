@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "lambake/measure/surface.h"
-#include "lambake/measure/surface_error.h"
 
 namespace lambake {
 namespace {
@@ -35,9 +34,10 @@ double rms_of_difference(const ComparedSurface& surface, const std::vector<Linea
 
 }  // namespace
 
-ErrorShares error_shares(const Scene& scene, const BakedColors& baked, const ColorOutput& output) {
+ErrorShares error_shares(const Scene& scene, const BakedColors& baked, const ColorOutput& output,
+                         double interpolation) {
   ErrorShares shares;
-  shares.interpolation = surface_error(scene, baked, ErrorSpace::linear).rmse;
+  shares.interpolation = interpolation;
   shares.clipping = shares.quantisation = 0;
   if (!output.shown) return shares;
   const ComparedSurface surface(scene, baked);

@@ -17,7 +17,9 @@ struct ErrorShares {
   std::optional<double> quantisation;  ///< Of the colours as stored against the clamped ones; or none.
 };
 
-/// @param baked  colours as computed.
-ErrorShares error_shares(const Scene& scene, const BakedColors& baked, const ColorOutput& output);
+/// @param baked          colours as computed.
+/// @param interpolation  their linear RMSE: of surface_error(), or of surface_errors() once they are stored.
+ErrorShares error_shares(const Scene& scene, const BakedColors& baked, const ColorOutput& output,
+                         double interpolation);
 
 }  // namespace lambake

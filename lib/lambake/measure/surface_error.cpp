@@ -1,10 +1,15 @@
 #include "lambake/measure/surface_error.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <span>
 
+#include "lambake/core/error.h"
 #include "lambake/core/parallel.h"
 #include "lambake/core/quadrature.h"
 #include "lambake/measure/surface.h"
@@ -37,38 +42,62 @@ struct Sums {
     square += weight * other.square;
     absolute += weight * other.absolute;
     plain += weight * other.plain;
+    see(other);
+  }
+  void see(const Sums& other) {
     if (other.max >= 0) see(other.worst, other.max_at);
   }
 };
 
-/// G − F on one triangle.
+/// What is compared with per-pixel lighting: colours of the vertices, and the space.
+struct Measure {
+  const std::vector<LinearRgb>& colors;
+  ErrorSpace space;
+};
+
+/// One value for each of the measures of a pass.
+constexpr std::size_t most_measures = 3;
+template <typename T>
+using PerMeasure = std::array<T, most_measures>;
+
+/// G − F on one triangle, of all measures: F, which is what costs, is evaluated once.
 class TriangleError {
  public:
-  TriangleError(const ComparedSurface& surface, std::size_t triangle, ErrorSpace space)
+  TriangleError(const ComparedSurface& surface, std::size_t triangle, std::span<const Measure> measures)
       : surface_(surface),
         triangle_(triangle),
-        space_(space),
+        measures_(measures),
         patch_(surface.patch(triangle)),
         has_texture_(surface.has_texture(triangle)),
         finish_(surface.finish_at(triangle, glm::dvec3(1.0 / 3))) {
     if (!finish_.is_unlit) find_reaching_lights(surface.scene().lights, patch_, lights_);
+    for (std::size_t m = 0; m < measures.size(); ++m)
+      for (int c = 0; c < 3; ++c) {
+        const LinearRgb& color = measures[m].colors[surface.mesh().triangles[triangle][c]];
+        colors_[m][c] = {color.r, color.g, color.b};
+      }
   }
 
-  glm::dvec3 operator()(const glm::dvec3& b) const {
+  std::size_t n_measures() const { return measures_.size(); }
+
+  PerMeasure<glm::dvec3> operator()(const glm::dvec3& b) const {
     const Finish finish = has_texture_ ? surface_.finish_at(triangle_, b) : finish_;
     const glm::dvec3 f = reference_at(patch_, surface_.scene().lights, lights_, finish.is_unlit, b);
-    const glm::dvec3 g = patch_.colors * b;
-    if (space_ == ErrorSpace::linear) return finish.base * (g - f);
-    glm::dvec3 error;
-    for (int c = 0; c < 3; ++c)
-      error[c] = compared(finish.emission[c] + finish.base[c] * g[c], space_) -
-                 compared(finish.emission[c] + finish.base[c] * f[c], space_);
-    return error;
+    PerMeasure<glm::dvec3> errors;
+    for (std::size_t m = 0; m < measures_.size(); ++m) {
+      const glm::dvec3 g = colors_[m] * b;
+      const ErrorSpace space = measures_[m].space;
+      errors[m] = space == ErrorSpace::linear ? finish.base * (g - f)
+                                              : compared(finish.emission + finish.base * g, space) -
+                                                    compared(finish.emission + finish.base * f, space);
+    }
+    return errors;
   }
 
   /// The triangle cut along the terminators of its lights (their chords, where they are curves), as long as
-  /// that makes at most `max_parts`: there the error has its kinks.
-  std::vector<glm::dmat3> parts(std::size_t max_parts) const {
+  /// that makes few parts: there the error has its kinks.
+  std::vector<glm::dmat3> parts() const {
+    constexpr std::size_t max_parts = 8;
     std::vector<glm::dmat3> parts{glm::dmat3(1.0)}, next;
     for (const std::uint32_t light : lights_) {
       next.clear();
@@ -104,8 +133,9 @@ class TriangleError {
  private:
   const ComparedSurface& surface_;
   std::size_t triangle_;
-  ErrorSpace space_;
+  std::span<const Measure> measures_;
   Patch patch_;
+  PerMeasure<glm::dmat3> colors_;  ///< Column i at corner i.
   bool has_texture_;
   Finish finish_;
   std::vector<std::uint32_t> lights_;
@@ -115,60 +145,90 @@ double share_of_area(const glm::dmat3& part) {
   return std::abs(glm::determinant(part));
 }
 
-/// Mean over a part by the rule of degree 5, and how far that of degree 4 is from it in Σ e².
+/// Means over (a part of) a triangle by the rule of degree 5, and how far those of degree 4 are from them in
+/// Σ e².
 struct Estimate {
-  Sums sums;
-  double uncertainty = 0;
+  PerMeasure<Sums> sums;
+  PerMeasure<double> uncertainties{};
+
+  void add(const Estimate& other, double weight, std::size_t n_measures) {
+    for (std::size_t m = 0; m < n_measures; ++m) {
+      sums[m].add(other.sums[m], weight);
+      uncertainties[m] += weight * other.uncertainties[m];
+    }
+  }
 };
 
 Estimate estimate(const TriangleError& error, const glm::dmat3& part) {
+  const std::size_t n_measures = error.n_measures();
   Estimate result;
-  double square_4 = 0;
+  PerMeasure<double> squares_4{};
   for (const QuadratureNode& node : quadrature_4) {
-    const glm::dvec3 b = part * node.b, e = error(b);
-    square_4 += node.weight * glm::dot(e, e) / 3;
-    result.sums.see(e, b);
+    const glm::dvec3 b = part * node.b;
+    const auto errors = error(b);
+    for (std::size_t m = 0; m < n_measures; ++m) {
+      squares_4[m] += node.weight * glm::dot(errors[m], errors[m]) / 3;
+      result.sums[m].see(errors[m], b);
+    }
   }
   for (const QuadratureNode& node : quadrature_5) {
     const glm::dvec3 b = part * node.b;
-    result.sums.add(error(b), node.weight, b);
+    const auto errors = error(b);
+    for (std::size_t m = 0; m < n_measures; ++m) result.sums[m].add(errors[m], node.weight, b);
   }
-  // Corners and the middles of sides, where the largest errors lie, have no weight.
-  for (int c = 0; c < 3; ++c)
-    for (const glm::dvec3& b : {part[c], 0.5 * (part[c] + part[(c + 1) % 3])})
-      result.sums.add(error(b), 0, b);
-  result.uncertainty = std::abs(result.sums.square - square_4);
+  for (std::size_t m = 0; m < n_measures; ++m)
+    result.uncertainties[m] = std::abs(result.sums[m].square - squares_4[m]);
   return result;
 }
 
-/// Adaptive quadrature of one triangle: a part is quartered until its two rules agree to `tolerance`, which
-/// halves from level to level as the number of parts along a kink doubles.
-Sums integrate(const TriangleError& error, double tolerance) {
-  constexpr int max_depth = 14;
-  constexpr int max_estimates = 20000;
-  struct Task {
-    glm::dmat3 part;
-    int depth;
-  };
-  std::vector<Task> tasks;
-  for (const glm::dmat3& part : error.parts(32)) tasks.push_back({part, 0});
-  Sums total;
-  for (int n = 0; !tasks.empty(); ++n) {
-    const Task task = tasks.back();
-    tasks.pop_back();
-    const Estimate e = estimate(error, task.part);
-    const double share = share_of_area(task.part);
-    if (e.uncertainty * share <= std::ldexp(tolerance, -task.depth) || task.depth == max_depth ||
-        n > max_estimates) {
-      total.add(e.sums, share);
-      continue;
+/// Looks at the corners and the middles of the sides of a part as well, where the largest errors lie.
+void see_sides(const TriangleError& error, const glm::dmat3& part, PerMeasure<Sums>& sums) {
+  for (int c = 0; c < 3; ++c)
+    for (const glm::dvec3& b : {part[c], 0.5 * (part[c] + part[(c + 1) % 3])}) {
+      const auto errors = error(b);
+      for (std::size_t m = 0; m < error.n_measures(); ++m) sums[m].see(errors[m], b);
     }
-    for (const glm::dmat3& quarter : quarters(task.part)) tasks.push_back({quarter, task.depth + 1});
-  }
-  return total;
 }
 
-/// The largest error on the triangle: the best of a dense grid, then of ever smaller ones around it.
+/// A part of a triangle, and how urgently it is to be quartered: by how many tolerances its rules are apart.
+struct Part {
+  glm::dmat3 corners;
+  int depth;
+  Estimate estimate;
+  double urgency;
+
+  friend bool operator<(const Part& a, const Part& b) { return a.urgency < b.urgency; }
+};
+
+/// Adaptive quadrature of one triangle: of n parts the most urgent one is quartered until none is above
+/// 1/√n. What is left has either sign and adds up as its squares do, to the tolerance of each measure.
+PerMeasure<Sums> integrate(const TriangleError& error, const PerMeasure<double>& tolerances) {
+  constexpr int max_depth = 14;
+  constexpr std::size_t max_parts = 15000;
+  std::vector<Part> parts;  // A heap.
+  const auto add = [&](const glm::dmat3& corners, int depth) {
+    Part part{corners, depth, estimate(error, corners), 0};
+    const double share = share_of_area(corners);
+    for (std::size_t m = 0; depth < max_depth && m < error.n_measures(); ++m)
+      part.urgency = std::max(part.urgency, part.estimate.uncertainties[m] * share / tolerances[m]);
+    parts.push_back(part);
+    std::push_heap(parts.begin(), parts.end());
+  };
+  for (const glm::dmat3& corners : error.parts()) add(corners, 0);
+  while (parts.size() < max_parts &&
+         parts.front().urgency * parts.front().urgency * static_cast<double>(parts.size()) > 1) {
+    std::pop_heap(parts.begin(), parts.end());
+    const Part worst = parts.back();
+    parts.pop_back();
+    for (const glm::dmat3& quarter : quarters(worst.corners)) add(quarter, worst.depth + 1);
+  }
+  Estimate total;
+  for (const Part& part : parts) total.add(part.estimate, share_of_area(part.corners), error.n_measures());
+  return total.sums;
+}
+
+/// The largest error on the triangle, of the only measure: the best of a dense grid, then of ever smaller
+/// ones around it.
 void climb(const TriangleError& error, Sums& sums) {
   constexpr int n = 32;
   glm::dvec3 center(1.0 / 3);
@@ -180,64 +240,102 @@ void climb(const TriangleError& error, Sums& sums) {
         glm::dvec3 b(0, center[1] + size * i / n, center[2] + size * j / n);
         b[0] = 1 - b[1] - b[2];
         if (b[0] < 0 || b[1] < 0 || b[2] < 0) continue;
-        sums.see(error(b), b);
+        sums.see(error(b)[0], b);
       }
     center = sums.max_at;
   }
 }
 
-}  // namespace
+/// What integrating has found on the triangles.
+struct Integrals {
+  std::vector<double> areas;           ///< F'; 0 for triangles that do not count.
+  std::vector<PerMeasure<Sums>> sums;  ///< F'.
+};
 
-SurfaceError surface_error(const Scene& scene, const BakedColors& baked, ErrorSpace space) {
-  const ComparedSurface surface(scene, baked);
+Integrals integrate(const ComparedSurface& surface, std::span<const Measure> measures) {
   const std::size_t n = surface.n_triangles();
-  std::vector<Sums> sums(n);
-  std::vector<double> areas(n), uncertainties(n, 0.0);
+  Integrals result{std::vector<double>(n), std::vector<PerMeasure<Sums>>(n)};
+  std::vector<double>& areas = result.areas;
+  std::vector<PerMeasure<Sums>>& sums = result.sums;
+  std::vector<PerMeasure<double>> uncertainties(n);
   parallel_blocks(n, block_size, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) {
-      const Patch patch = surface.patch(f);
-      const double area = area_of(patch);
-      if (area == 0) continue;
-      areas[f] = area;
-      const TriangleError error(surface, f, space);
-      for (const glm::dmat3& part : error.parts(32)) {
-        const Estimate e = estimate(error, part);
-        sums[f].add(e.sums, share_of_area(part));
-        uncertainties[f] += e.uncertainty * share_of_area(part);
+      areas[f] = area_of(surface.patch(f));
+      if (areas[f] == 0) continue;
+      const TriangleError error(surface, f, measures);
+      Estimate total;
+      for (const glm::dmat3& part : error.parts()) {
+        total.add(estimate(error, part), share_of_area(part), measures.size());
+        see_sides(error, part, total.sums);
       }
+      sums[f] = total.sums, uncertainties[f] = total.uncertainties;
     }
   });
 
-  // Each triangle may be wrong by its equal part of 4e-4 of the whole: the RMSE by half of that. The whole is
-  // known only roughly at first, so this is done again where it turns out smaller.
-  double previous_total = std::numeric_limits<double>::infinity();
+  // Each triangle may be wrong by its equal part of 4e-4 of the whole: the RMSE by half of that. The noise of
+  // a texture has either sign and adds up as its squares do: there 1e-4 of the whole over √n is enough, and
+  // leaves room for tiles that are all alike. The whole is known only roughly at first, so this is done again
+  // where it turns out smaller.
+  PerMeasure<double> previous_totals, allowed, allowed_noise;
+  for (auto* values : {&previous_totals, &allowed, &allowed_noise})
+    values->fill(std::numeric_limits<double>::infinity());
   for (int round = 0; round < 4; ++round) {
-    double total = 0;
-    std::size_t n_with_error = 0;
-    for (std::size_t f = 0; f < n; ++f) {
-      total += areas[f] * sums[f].square;
-      n_with_error += areas[f] * sums[f].square > 0;
+    PerMeasure<bool> is_new{};
+    for (std::size_t m = 0; m < measures.size(); ++m) {
+      double total = 0, n_with_error = 0;
+      for (std::size_t f = 0; f < n; ++f) {
+        total += areas[f] * sums[f][m].square;
+        n_with_error += areas[f] * sums[f][m].square > 0;
+      }
+      is_new[m] = total < 0.9 * previous_totals[m];
+      if (!is_new[m]) continue;
+      previous_totals[m] = total;
+      allowed[m] = 4e-4 * total / std::max(1.0, n_with_error);
+      allowed_noise[m] = 1e-4 * total / std::sqrt(std::max(1.0, n_with_error));
     }
-    if (!(total < 0.9 * previous_total)) break;
-    previous_total = total;
-    const double allowed = 4e-4 * total / static_cast<double>(std::max<std::size_t>(1, n_with_error));
     parallel_blocks(n, block_size, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t f = begin; f < end; ++f)
-        if (areas[f] > 0 && areas[f] * uncertainties[f] > allowed)
-          sums[f] = integrate(TriangleError(surface, f, space), allowed / areas[f]);
+      for (std::size_t f = begin; f < end; ++f) {
+        PerMeasure<double> tolerances = surface.has_texture(f) ? allowed_noise : allowed;
+        for (double& tolerance : tolerances) tolerance /= areas[f];
+        bool is_open = false;
+        for (std::size_t m = 0; m < measures.size(); ++m)
+          is_open |= is_new[m] && uncertainties[f][m] > tolerances[m];
+        if (!is_open) continue;
+        const PerMeasure<Sums> rough = sums[f];
+        sums[f] = integrate(TriangleError(surface, f, measures), tolerances);
+        for (std::size_t m = 0; m < measures.size(); ++m) sums[f][m].see(rough[m]);
+      }
     });
   }
+  return result;
+}
 
+double rmse_of(const Integrals& integrals, std::size_t m) {
+  double area = 0, square = 0;
+  for (std::size_t f = 0; f < integrals.areas.size(); ++f) {
+    area += integrals.areas[f];
+    square += integrals.areas[f] * integrals.sums[f][m].square;
+  }
+  return area > 0 ? std::sqrt(square / area) : 0;
+}
+
+/// Sums up measure m, after a closer look at its worst triangles.
+SurfaceError summarise(const ComparedSurface& surface, std::span<const Measure> measures, std::size_t m,
+                       Integrals& integrals) {
+  const std::size_t n = surface.n_triangles();
+  const std::span<const Measure> only = measures.subspan(m, 1);
+  const std::vector<double>& areas = integrals.areas;
+  const auto sums = [&](std::size_t f) -> Sums& { return integrals.sums[f][m]; };
   std::vector<std::uint32_t> order(n);
   std::iota(order.begin(), order.end(), 0U);
   const std::size_t n_worst = std::min<std::size_t>(8, n);
   const auto is_worse = [&](std::uint32_t a, std::uint32_t b) {
-    return sums[a].max != sums[b].max ? sums[a].max > sums[b].max : a < b;
+    return sums(a).max != sums(b).max ? sums(a).max > sums(b).max : a < b;
   };
   std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(n_worst), order.end(),
                     is_worse);
   parallel_blocks(n_worst, 1, [&](std::size_t i, std::size_t) {
-    if (areas[order[i]] > 0) climb(TriangleError(surface, order[i], space), sums[order[i]]);
+    if (areas[order[i]] > 0) climb(TriangleError(surface, order[i], only), sums(order[i]));
   });
   std::sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(n_worst), is_worse);
 
@@ -245,34 +343,61 @@ SurfaceError surface_error(const Scene& scene, const BakedColors& baked, ErrorSp
   result.triangle_rmse.resize(n);
   result.triangle_max.resize(n);
   result.triangle_worst.resize(n);
-  double square = 0, absolute = 0, plain = 0;
+  double absolute = 0, plain = 0;
   for (std::size_t f = 0; f < n; ++f) {
     result.area += areas[f];
-    square += areas[f] * sums[f].square;
-    absolute += areas[f] * sums[f].absolute;
-    plain += areas[f] * sums[f].plain;
-    result.triangle_rmse[f] = static_cast<float>(std::sqrt(sums[f].square));
-    result.triangle_max[f] = static_cast<float>(std::max(0.0, sums[f].max));
-    result.triangle_worst[f] = static_cast<float>(sums[f].worst);
-    result.max_sampled = std::max(result.max_sampled, sums[f].max);
+    absolute += areas[f] * sums(f).absolute;
+    plain += areas[f] * sums(f).plain;
+    result.triangle_rmse[f] = static_cast<float>(std::sqrt(sums(f).square));
+    result.triangle_max[f] = static_cast<float>(std::max(0.0, sums(f).max));
+    result.triangle_worst[f] = static_cast<float>(sums(f).worst);
+    result.max_sampled = std::max(result.max_sampled, sums(f).max);
   }
+  result.rmse = rmse_of(integrals, m);
   if (result.area > 0) {
-    result.rmse = std::sqrt(square / result.area);
     result.mae = absolute / result.area;
     result.mean = plain / result.area;
   }
-  for (std::size_t i = 0; i < n_worst && sums[order[i]].max > 0; ++i) {
+  for (std::size_t i = 0; i < n_worst && sums(order[i]).max > 0; ++i) {
     const std::uint32_t f = order[i];
-    const TriangleError error(surface, f, space);
+    const TriangleError error(surface, f, only);
     SurfacePlace place;
     place.triangle = f;
     place.source_face = surface.mesh().source_face_of(f);
-    place.barycentrics = sums[f].max_at;
-    place.position = error.patch().positions * sums[f].max_at;
-    place.error = sums[f].max;
-    place.light = error.worst_light(sums[f].max_at);
+    place.barycentrics = sums(f).max_at;
+    place.position = error.patch().positions * sums(f).max_at;
+    place.error = sums(f).max;
+    place.light = error.worst_light(sums(f).max_at);
     result.worst.push_back(place);
   }
+  return result;
+}
+
+}  // namespace
+
+SurfaceError surface_error(const Scene& scene, const BakedColors& baked, ErrorSpace space) {
+  const ComparedSurface surface(scene, baked);
+  const std::array<Measure, 1> measures = {{{baked.colors, space}}};
+  Integrals integrals = integrate(surface, measures);
+  return summarise(surface, measures, 0, integrals);
+}
+
+SurfaceErrors surface_errors(const Scene& scene, const BakedColors& baked,
+                             const std::vector<LinearRgb>& computed) {
+  const ComparedSurface surface(scene, baked);
+  if (computed.size() != baked.colors.size())
+    throw InvalidScene(fmt::format("measure: computed colours: expected {}, found {}", baked.colors.size(),
+                                   computed.size()));
+  const std::array<Measure, 3> all = {{{baked.colors, ErrorSpace::linear},
+                                       {baked.colors, ErrorSpace::display},
+                                       {computed, ErrorSpace::linear}}};
+  const std::span<const Measure> measures = std::span(all).first(computed == baked.colors ? 2 : 3);
+  Integrals integrals = integrate(surface, measures);
+  SurfaceErrors result;
+  result.linear = summarise(surface, measures, 0, integrals);
+  result.display = summarise(surface, measures, 1, integrals);
+  result.computed_rmse = result.linear.rmse;
+  if (measures.size() == 3) result.computed_rmse = rmse_of(integrals, 2);
   return result;
 }
 

@@ -38,4 +38,18 @@ struct SurfaceError {
 /// Adaptive quadrature; deterministic for any number of threads.
 SurfaceError surface_error(const Scene& scene, const BakedColors& baked, ErrorSpace space);
 
+/// What a comparison tells of stored colours.
+struct SurfaceErrors {
+  SurfaceError linear, display;
+  double computed_rmse = 0;  ///< Linear, of the colours as computed.
+};
+
+/// The same in both spaces, and the RMSE of the colours before they were stored, from one integration: per
+/// place one evaluation of F. Parts are as fine as each of the three needs.
+/// @param baked     with the colours as stored.
+/// @param computed  V' colours.
+/// @throws InvalidScene if there are not as many as stored ones.
+SurfaceErrors surface_errors(const Scene& scene, const BakedColors& baked,
+                             const std::vector<LinearRgb>& computed);
+
 }  // namespace lambake

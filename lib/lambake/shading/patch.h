@@ -43,6 +43,15 @@ struct Finish {
   bool is_unlit = false;
 };
 
+/// A linear colour as it is compared in `space`. Channels of one value, as grey light makes them, are encoded
+/// once.
+inline glm::dvec3 compared(const glm::dvec3& linear, ErrorSpace space) {
+  const double r = compared(linear.r, space);
+  const double g = linear.g == linear.r ? r : compared(linear.g, space);
+  const double b = linear.b == linear.g ? g : compared(linear.b, space);
+  return {r, g, b};
+}
+
 /// The reference at `b`: vertex base colour ⊗ E with the normal interpolated and renormalised (no light
 /// where it vanishes), summed over the lights with the indices `lights`.
 inline glm::dvec3 reference_at(const Patch& patch, std::span<const Light> all,
