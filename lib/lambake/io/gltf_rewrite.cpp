@@ -35,7 +35,11 @@ std::vector<std::vector<std::uint32_t>> triangles_by_primitive(const GltfAsset& 
 class PrimitiveBuilder {
  public:
   PrimitiveBuilder(const Scene& scene, const BakedColors& baked)
-      : scene_(scene), mesh_(mesh_of(scene, baked)), baked_(baked), index_(mesh_.n_vertices(), no_vertex) {}
+      : scene_(scene),
+        mesh_(mesh_of(scene, baked)),
+        baked_(baked),
+        index_(mesh_.n_vertices(), no_vertex),
+        written_of_(mesh_.n_vertices(), no_vertex) {}
 
   BakedPrimitive build(const PlacedPrimitive& placed, const std::vector<std::uint32_t>& triangles) {
     BakedPrimitive primitive;
@@ -45,7 +49,7 @@ class PrimitiveBuilder {
     for (const std::uint32_t f : triangles) add_triangle(placed, mesh_.triangles[f], primitive);
     for (const std::uint32_t v : met_) index_[v] = no_vertex;
     met_.clear();
-    for (const std::uint32_t v : primitive.mesh_vertices) written_of_.erase(v);
+    for (const std::uint32_t v : primitive.mesh_vertices) written_of_[v] = no_vertex;
     return primitive;
   }
 
@@ -85,13 +89,12 @@ class PrimitiveBuilder {
     if (placed.is_mirrored) std::swap(t[1], t[2]);
     for (int c = 0; c < 3; ++c) {
       const std::uint32_t v = t[c];
-      const auto [place, is_new] =
-          written_of_.try_emplace(v, static_cast<std::uint32_t>(primitive.mesh_vertices.size()));
-      if (is_new) {
+      if (written_of_[v] == no_vertex) {
+        written_of_[v] = static_cast<std::uint32_t>(primitive.mesh_vertices.size());
         primitive.mesh_vertices.push_back(v);
         primitive.vertices.push_back(origin_of(placed, v, primitive));
       }
-      t[c] = place->second;
+      t[c] = written_of_[v];
     }
     primitive.triangles.push_back(t);
   }
@@ -127,7 +130,7 @@ class PrimitiveBuilder {
   const BakedColors& baked_;
   std::vector<std::uint32_t> index_;  ///< Origin of a mesh vertex in the primitive at work.
   std::vector<std::uint32_t> met_;
-  std::map<std::uint32_t, std::uint32_t> written_of_;
+  std::vector<std::uint32_t> written_of_;  ///< Number of a mesh vertex in the primitive at work.
 };
 
 /// The accessor vertex that each origin takes values from that cannot be mixed.
