@@ -49,6 +49,13 @@ TEST(HostileGltf, SoundTriangle_IsRead) {
 
 TEST(HostileGltf, EachSpoiltPart_IsRefusedInOneLineThatNamesIt) {
   const std::vector<Case> cases{
+      {"attribute of another count",
+       [](auto& j) {
+         j["accessors"].push_back(
+             {{"bufferView", 0}, {"componentType", 5126}, {"count", 2}, {"type", "SCALAR"}});
+         j["meshes"][0]["primitives"][0]["attributes"]["_ID"] = 2;
+       },
+       3, "meshes[0].primitives[0]._ID"},
       {"accessor past its view", [](auto& j) { j["accessors"][0]["count"] = 4; }, 3, "accessors[0]"},
       {"accessor offset that wraps", [](auto& j) { j["accessors"][0]["byteOffset"] = 0xFFFFFFFFFFFFFFF0U; },
        3, ""},

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <ranges>
 
 #include "lambake/core/error.h"
 
@@ -172,6 +173,63 @@ class AccessorCheck {
   std::size_t n_file_bytes_ = 0;
 };
 
+/// Finds the bytes of an accessor's elements: in its view, among its sparse values, or zeros.
+class ElementReader {
+ public:
+  ElementReader(const tinygltf::Model& model, const tinygltf::Accessor& accessor)
+      : n_bytes_(component_bytes(accessor.componentType) * n_components_of(accessor)) {
+    if (accessor.bufferView >= 0) {
+      const std::size_t view_stride = model.bufferViews[index_of(accessor.bufferView)].byteStride;
+      stride_ = view_stride == 0 ? n_bytes_ : view_stride;
+      dense_ = view_begin(model, accessor.bufferView) + accessor.byteOffset;
+    }
+    if (!accessor.sparse.isSparse) return;
+    const auto& indices = accessor.sparse.indices;
+    const auto& values = accessor.sparse.values;
+    n_sparse_ = index_of(accessor.sparse.count);
+    index_type_ = indices.componentType;
+    sparse_indices_ = view_begin(model, indices.bufferView) + indices.byteOffset;
+    sparse_values_ = view_begin(model, values.bufferView) + values.byteOffset;
+  }
+
+  /// n elements without gaps; the i-th is number `element_of(i)`.
+  template <typename ElementOf>
+  std::vector<unsigned char> gather(std::size_t n, const ElementOf& element_of) const {
+    std::vector<unsigned char> bytes(n * n_bytes_);
+    for (std::size_t i = 0; i < n; ++i)
+      if (const unsigned char* from = find(element_of(i)))
+        std::memcpy(bytes.data() + i * n_bytes_, from, n_bytes_);
+    return bytes;
+  }
+
+ private:
+  /// Null where nothing but zeros is meant.
+  const unsigned char* find(std::size_t element) const {
+    const auto sparse_index = [&](std::size_t i) -> std::size_t {
+      return load_unsigned(sparse_indices_ + i * component_bytes(index_type_), index_type_);
+    };
+    const auto all = std::views::iota(std::size_t{0}, n_sparse_);
+    const auto at = std::ranges::lower_bound(all, element, {}, sparse_index);
+    if (at != all.end() && sparse_index(*at) == element) return sparse_values_ + *at * n_bytes_;
+    return dense_ == nullptr ? nullptr : dense_ + element * stride_;
+  }
+
+  std::size_t n_bytes_ = 0, stride_ = 0;
+  const unsigned char* dense_ = nullptr;
+  std::size_t n_sparse_ = 0;
+  int index_type_ = 0;
+  const unsigned char* sparse_indices_ = nullptr;  ///< Rising, as check_accessors() holds.
+  const unsigned char* sparse_values_ = nullptr;
+};
+
+std::vector<float> floats_of(const tinygltf::Accessor& accessor, const std::vector<unsigned char>& bytes) {
+  const std::size_t n_bytes = component_bytes(accessor.componentType);
+  std::vector<float> values(bytes.size() / n_bytes);
+  for (std::size_t i = 0; i < values.size(); ++i)
+    values[i] = load_float(bytes.data() + i * n_bytes, accessor.componentType, accessor.normalized);
+  return values;
+}
+
 }  // namespace
 
 void check_accessors(const std::string& path, const tinygltf::Model& model) {
@@ -183,37 +241,23 @@ std::size_t n_components_of(const tinygltf::Accessor& accessor) {
 }
 
 std::vector<unsigned char> decode_bytes(const tinygltf::Model& model, std::size_t index) {
-  const tinygltf::Accessor& accessor = model.accessors[index];
-  const std::size_t n_bytes = component_bytes(accessor.componentType) * n_components_of(accessor);
-  std::vector<unsigned char> bytes(accessor.count * n_bytes);
-  if (accessor.bufferView >= 0) {
-    const std::size_t view_stride = model.bufferViews[index_of(accessor.bufferView)].byteStride;
-    const std::size_t stride = view_stride == 0 ? n_bytes : view_stride;
-    const unsigned char* from = view_begin(model, accessor.bufferView) + accessor.byteOffset;
-    for (std::size_t i = 0; i < accessor.count; ++i)
-      std::memcpy(bytes.data() + i * n_bytes, from + i * stride, n_bytes);
-  }
-  if (accessor.sparse.isSparse) {
-    const auto& sparse = accessor.sparse;
-    const int type = sparse.indices.componentType;
-    const unsigned char* indices = view_begin(model, sparse.indices.bufferView) + sparse.indices.byteOffset;
-    const unsigned char* values = view_begin(model, sparse.values.bufferView) + sparse.values.byteOffset;
-    for (std::size_t i = 0; i < index_of(sparse.count); ++i) {
-      const std::size_t at = load_unsigned(indices + i * component_bytes(type), type);
-      std::memcpy(bytes.data() + at * n_bytes, values + i * n_bytes, n_bytes);
-    }
-  }
-  return bytes;
+  const ElementReader reader(model, model.accessors[index]);
+  return reader.gather(model.accessors[index].count, [](std::size_t i) { return i; });
+}
+
+std::vector<unsigned char> decode_bytes(const tinygltf::Model& model, std::size_t index,
+                                        std::span<const std::uint32_t> elements) {
+  const ElementReader reader(model, model.accessors[index]);
+  return reader.gather(elements.size(), [&](std::size_t i) { return elements[i]; });
 }
 
 std::vector<float> decode_floats(const tinygltf::Model& model, std::size_t index) {
-  const tinygltf::Accessor& accessor = model.accessors[index];
-  const std::vector<unsigned char> bytes = decode_bytes(model, index);
-  const std::size_t n_bytes = component_bytes(accessor.componentType);
-  std::vector<float> values(bytes.size() / n_bytes);
-  for (std::size_t i = 0; i < values.size(); ++i)
-    values[i] = load_float(bytes.data() + i * n_bytes, accessor.componentType, accessor.normalized);
-  return values;
+  return floats_of(model.accessors[index], decode_bytes(model, index));
+}
+
+std::vector<float> decode_floats(const tinygltf::Model& model, std::size_t index,
+                                 std::span<const std::uint32_t> elements) {
+  return floats_of(model.accessors[index], decode_bytes(model, index, elements));
 }
 
 std::vector<std::uint32_t> decode_unsigned(const tinygltf::Model& model, std::size_t index) {

@@ -3,6 +3,7 @@
 #include <tiny_gltf.h>
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -19,10 +20,17 @@ std::size_t n_components_of(const tinygltf::Accessor& accessor);
 /// count × n_components values; integers as they are, or in [-1,1] where the accessor is normalised.
 std::vector<float> decode_floats(const tinygltf::Model& model, std::size_t accessor);
 
+/// The same of some elements alone, in the time that these take.
+/// @param elements  n numbers below the accessor's count.
+std::vector<float> decode_floats(const tinygltf::Model& model, std::size_t accessor,
+                                 std::span<const std::uint32_t> elements);
+
 /// `count` whole numbers of an accessor of unsigned integers.
 std::vector<std::uint32_t> decode_unsigned(const tinygltf::Model& model, std::size_t accessor);
 
 /// The elements' bytes, without gaps.
 std::vector<unsigned char> decode_bytes(const tinygltf::Model& model, std::size_t accessor);
+std::vector<unsigned char> decode_bytes(const tinygltf::Model& model, std::size_t accessor,
+                                        std::span<const std::uint32_t> elements);
 
 }  // namespace lambake

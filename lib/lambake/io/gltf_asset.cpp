@@ -144,11 +144,24 @@ class ModelCheck {
   void check_primitive(const tinygltf::Primitive& primitive, const std::string& where) const {
     expect_optional(primitive.indices, model_.accessors.size(), where + ".indices");
     expect_optional(primitive.material, model_.materials.size(), where + ".material");
-    for (const auto& [semantic, accessor] : primitive.attributes)
-      expect_index(accessor, model_.accessors.size(), where + "." + semantic);
-    for (const auto& target : primitive.targets)
-      for (const auto& [semantic, accessor] : target)
-        expect_index(accessor, model_.accessors.size(), where + ".targets." + semantic);
+    check_attributes(primitive.attributes, primitive, where + ".");
+    for (const auto& target : primitive.targets) check_attributes(target, primitive, where + ".targets.");
+  }
+
+  /// Each has as many elements as the positions.
+  void check_attributes(const std::map<std::string, int>& attributes, const tinygltf::Primitive& primitive,
+                        const std::string& where) const {
+    for (const auto& [semantic, accessor] : attributes) {
+      expect_index(accessor, model_.accessors.size(), where + semantic);
+      const auto position = primitive.attributes.find("POSITION");
+      if (position == primitive.attributes.end()) continue;
+      expect_index(position->second, model_.accessors.size(), where + "POSITION");
+      const std::size_t expected = model_.accessors[static_cast<std::size_t>(position->second)].count;
+      const std::size_t found = model_.accessors[static_cast<std::size_t>(accessor)].count;
+      if (found != expected)
+        throw IoError(path_,
+                      fmt::format("{}{}: expected {} elements, found {}", where, semantic, expected, found));
+    }
   }
 
   void check_node(const tinygltf::Node& node, const std::string& where) const {

@@ -12,13 +12,22 @@
 /// The glTF file behind a scene; internal to io.
 namespace lambake {
 
+/// The vertices of a primitive's accessors that are read.
+struct VertexSelection {
+  std::size_t n_accessor = 0;  ///< Elements of each accessor.
+  /// The accessors' vertex of each that is read, or none: all of them.
+  std::vector<std::uint32_t> selected{};
+
+  std::size_t size() const { return selected.empty() ? n_accessor : selected.size(); }
+  std::uint32_t accessor_vertex(std::uint32_t i) const { return selected.empty() ? i : selected[i]; }
+};
+
 /// A primitive of triangles under a node: where it went in the scene's mesh.
 struct PlacedPrimitive {
   std::size_t node = 0, mesh = 0, primitive = 0;
-  std::uint32_t vertex_begin =
-      0;  ///< Vertices of the mesh as read: those of the accessors, then flat copies.
-  std::uint32_t n_accessor_vertices = 0;
-  std::uint32_t source_begin = 0;  ///< Mesh::source_vertices of accessor vertex i is source_begin + i.
+  VertexSelection vertices;
+  std::uint32_t vertex_begin = 0;  ///< In the mesh as read: first the selected vertices, then flat copies.
+  std::uint32_t source_begin = 0;  ///< Mesh::source_vertices of selected vertex i is source_begin + i.
   std::uint32_t triangle_begin = 0, triangle_end = 0;
   bool is_mirrored = false;  ///< Its triangles are wound the other way than in the file.
 };

@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "lambake/core/error.h"
@@ -21,13 +23,14 @@ glm::dvec3 vec3_at(const std::vector<float>& values, std::size_t i) {
 
 /// Adds the morph targets' displacements with the weights of the node, or else of its mesh.
 void morph(const GltfAsset& asset, const tinygltf::Node& node, const tinygltf::Primitive& primitive,
-           const char* semantic, std::vector<float>& values, const std::string& where) {
+           const char* semantic, const VertexSelection& selection, std::vector<float>& values,
+           const std::string& where) {
   const std::vector<double>& mesh_weights = asset.model.meshes[index_of(node.mesh)].weights;
   const std::vector<double>& weights = node.weights.empty() ? mesh_weights : node.weights;
   for (std::size_t t = 0; t < primitive.targets.size() && t < weights.size(); ++t) {
     if (weights[t] == 0) continue;
     const std::vector<float> offsets =
-        read_attribute(asset, primitive.targets[t], semantic, 3, values.size() / 3, where + ".targets");
+        read_attribute(asset, primitive.targets[t], semantic, 3, selection, where + ".targets");
     for (std::size_t i = 0; i < offsets.size(); ++i)
       values[i] = static_cast<float>(values[i] + weights[t] * offsets[i]);
   }
@@ -37,7 +40,7 @@ void morph(const GltfAsset& asset, const tinygltf::Node& node, const tinygltf::P
 class Skinning {
  public:
   Skinning(const GltfAsset& asset, const tinygltf::Skin& skin, const tinygltf::Primitive& primitive,
-           const std::vector<glm::dmat4>& world, std::size_t n_vertices, const std::string& where) {
+           const VertexSelection& selection, const std::vector<glm::dmat4>& world, const std::string& where) {
     for (const int joint : skin.joints) matrices_.push_back(world[index_of(joint)]);
     if (skin.inverseBindMatrices >= 0) {
       const std::vector<float> binds = decode_floats(asset.model, index_of(skin.inverseBindMatrices));
@@ -63,9 +66,9 @@ class Skinning {
         throw IoError(asset.path, fmt::format("{}.JOINTS_{}: expected integers as they are, found normalized",
                                               where, set));
       const auto joints =
-          read_attribute(asset, primitive.attributes, fmt::format("JOINTS_{}", set), 4, n_vertices, where);
+          read_attribute(asset, primitive.attributes, fmt::format("JOINTS_{}", set), 4, selection, where);
       const auto weights =
-          read_attribute(asset, primitive.attributes, fmt::format("WEIGHTS_{}", set), 4, n_vertices, where);
+          read_attribute(asset, primitive.attributes, fmt::format("WEIGHTS_{}", set), 4, selection, where);
       if (weights.empty())
         throw IoError(asset.path, fmt::format("{}: expected WEIGHTS_{}, found none", where, set));
       for (std::size_t i = 0; i < joints.size(); ++i)
@@ -123,15 +126,17 @@ bool has_triangles(const tinygltf::Primitive& primitive) {
 
 std::vector<float> read_attribute(const GltfAsset& asset, const std::map<std::string, int>& attributes,
                                   const std::string& semantic, std::size_t n_components,
-                                  std::size_t n_vertices, const std::string& where) {
+                                  const VertexSelection& selection, const std::string& where) {
   const auto found = attributes.find(semantic);
   if (found == attributes.end()) return {};
   const tinygltf::Accessor& accessor = asset.model.accessors[index_of(found->second)];
-  if (n_components_of(accessor) != n_components || accessor.count != n_vertices)
+  if (n_components_of(accessor) != n_components || accessor.count != selection.n_accessor)
     throw IoError(asset.path,
                   fmt::format("{}.{}: expected {} elements of {} components, found {} of {}", where, semantic,
-                              n_vertices, n_components, accessor.count, n_components_of(accessor)));
-  return decode_floats(asset.model, index_of(found->second));
+                              selection.n_accessor, n_components, accessor.count, n_components_of(accessor)));
+  const std::size_t index = index_of(found->second);
+  return selection.selected.empty() ? decode_floats(asset.model, index)
+                                    : decode_floats(asset.model, index, selection.selected);
 }
 
 std::vector<glm::uvec3> read_triangles(const GltfAsset& asset, const tinygltf::Primitive& primitive,
@@ -173,30 +178,54 @@ std::vector<glm::uvec3> read_triangles(const GltfAsset& asset, const tinygltf::P
   return triangles;
 }
 
+VertexSelection VertexSelector::select(std::vector<glm::uvec3>& triangles, std::size_t n_vertices) {
+  constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+  number_of_.resize(std::max(number_of_.size(), n_vertices), none);
+  std::vector<std::uint32_t> used;
+  const auto is_few = [&] { return 2 * used.size() < n_vertices; };
+  for (std::size_t f = 0; f < triangles.size() && is_few(); ++f)
+    for (int c = 0; c < 3; ++c) {
+      const std::uint32_t v = triangles[f][c];
+      if (number_of_[v] != none) continue;
+      number_of_[v] = static_cast<std::uint32_t>(used.size());
+      used.push_back(v);
+    }
+  if (is_few())
+    for (glm::uvec3& t : triangles) t = {number_of_[t[0]], number_of_[t[1]], number_of_[t[2]]};
+  for (const std::uint32_t v : used) number_of_[v] = none;
+  if (!is_few()) used = {};
+  return {.n_accessor = n_vertices, .selected = std::move(used)};
+}
+
 WorldVertices read_vertices(const GltfAsset& asset, std::size_t node_index,
-                            const tinygltf::Primitive& primitive, const std::vector<glm::dmat4>& world,
-                            const std::string& where) {
+                            const tinygltf::Primitive& primitive, const VertexSelection& selection,
+                            const std::vector<glm::dmat4>& world, const std::string& where) {
   const tinygltf::Node& node = asset.model.nodes[node_index];
-  const std::size_t n = asset.model.accessors[index_of(primitive.attributes.at("POSITION"))].count;
-  std::vector<float> positions = read_attribute(asset, primitive.attributes, "POSITION", 3, n, where);
-  std::vector<float> normals = read_attribute(asset, primitive.attributes, "NORMAL", 3, n, where);
-  morph(asset, node, primitive, "POSITION", positions, where);
-  if (!normals.empty()) morph(asset, node, primitive, "NORMAL", normals, where);
+  std::vector<float> positions = read_attribute(asset, primitive.attributes, "POSITION", 3, selection, where);
+  std::vector<float> normals = read_attribute(asset, primitive.attributes, "NORMAL", 3, selection, where);
+  morph(asset, node, primitive, "POSITION", selection, positions, where);
+  if (!normals.empty()) morph(asset, node, primitive, "NORMAL", selection, normals, where);
 
   std::optional<Skinning> skinning;
   if (node.skin >= 0 && primitive.attributes.contains("JOINTS_0"))
-    skinning.emplace(asset, asset.model.skins[index_of(node.skin)], primitive, world, n, where);
+    skinning.emplace(asset, asset.model.skins[index_of(node.skin)], primitive, selection, world, where);
+  const std::size_t n = selection.size();
   WorldVertices vertices;
   vertices.positions.resize(n);
   vertices.normals.resize(normals.empty() ? 0 : n);
   std::size_t n_mirrored = 0;
   glm::dmat4 matrix = world[node_index];
   glm::dmat3 of_normals = normal_matrix(glm::dmat3(matrix));
+  bool is_mirrored = is_mirroring(glm::dmat3(matrix));
   for (std::size_t i = 0; i < n; ++i) {
-    if (skinning) matrix = skinning->matrix(i), of_normals = normal_matrix(glm::dmat3(matrix));
+    if (skinning) {
+      matrix = skinning->matrix(i);
+      of_normals = normal_matrix(glm::dmat3(matrix));
+      is_mirrored = is_mirroring(glm::dmat3(matrix));
+    }
     vertices.positions[i] = glm::vec3(matrix * glm::dvec4(vec3_at(positions, i), 1));
     if (!normals.empty()) vertices.normals[i] = unit_or_zero(of_normals * vec3_at(normals, i));
-    if (is_mirroring(glm::dmat3(matrix))) ++n_mirrored;
+    n_mirrored += is_mirrored;
   }
   vertices.is_mirrored = 2 * n_mirrored > n;
   return vertices;

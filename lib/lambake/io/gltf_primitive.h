@@ -17,6 +17,18 @@ bool has_triangles(const tinygltf::Primitive& primitive);
 std::vector<glm::uvec3> read_triangles(const GltfAsset& asset, const tinygltf::Primitive& primitive,
                                        std::size_t n_vertices, const std::string& where);
 
+/// Chooses the vertices that are read of a primitive that shares its accessors with others: those that its
+/// triangles use, in the order in which they meet them, or all where that is half of them or more. So the
+/// primitives take memory for what they use, not for the accessors each.
+class VertexSelector {
+ public:
+  /// @param triangles  of accessor vertices below `n_vertices`; of selected ones afterwards.
+  VertexSelection select(std::vector<glm::uvec3>& triangles, std::size_t n_vertices);
+
+ private:
+  std::vector<std::uint32_t> number_of_;  ///< Scratch: number of an accessor's vertex among the selected.
+};
+
 struct WorldVertices {
   std::vector<glm::vec3> positions;
   std::vector<glm::vec3> normals;  ///< Unit vectors or (0,0,0); none where the primitive has none.
@@ -25,14 +37,16 @@ struct WorldVertices {
 
 /// Vertices of a node's primitive in the pose of the file: morphed, skinned, placed. Normals go through the
 /// inverse transpose.
-/// @param world  of all nodes.
+/// @param selection  the vertices wanted.
+/// @param world      of all nodes.
 WorldVertices read_vertices(const GltfAsset& asset, std::size_t node, const tinygltf::Primitive& primitive,
-                            const std::vector<glm::dmat4>& world, const std::string& where);
+                            const VertexSelection& selection, const std::vector<glm::dmat4>& world,
+                            const std::string& where);
 
-/// Values of an attribute with `n_components` for each of `n_vertices`; empty where there is none.
+/// Values of an attribute with `n_components` for each of the vertices wanted; empty where there is none.
 /// @throws IoError if the accessor has another type or count.
 std::vector<float> read_attribute(const GltfAsset& asset, const std::map<std::string, int>& attributes,
                                   const std::string& semantic, std::size_t n_components,
-                                  std::size_t n_vertices, const std::string& where);
+                                  const VertexSelection& selection, const std::string& where);
 
 }  // namespace lambake

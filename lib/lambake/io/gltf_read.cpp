@@ -39,6 +39,7 @@ class SceneReader {
 
   SceneFile read() {
     world_ = world_matrices(asset_);
+    n_users_.resize(model().accessors.size());
     nodes_ = nodes_of_scene(asset_, options_.gltf_scene);
     read_gltf_materials(asset_, scene_, findings_);
     count_file();
@@ -71,6 +72,7 @@ class SceneReader {
         const auto position = primitive.attributes.find("POSITION");
         if (position == primitive.attributes.end()) continue;
         const std::size_t n_vertices = model().accessors[index_of(position->second)].count;
+        ++n_users_[index_of(position->second)];
         file_.n_vertices += n_vertices;
         if (!has_triangles(primitive)) {
           ++n_points_and_lines_;
@@ -121,16 +123,19 @@ class SceneReader {
     const tinygltf::Primitive& primitive = model().meshes[mesh_index].primitives[primitive_index];
     const std::string where = fmt::format("meshes[{}].primitives[{}]", mesh_index, primitive_index);
     Mesh& mesh = scene_.mesh;
-    WorldVertices vertices = read_vertices(asset_, node, primitive, world_, where);
-    const std::size_t n = vertices.positions.size();
-    std::vector<glm::uvec3> triangles = read_triangles(asset_, primitive, n, where);
+    const std::size_t position = index_of(primitive.attributes.at("POSITION"));
+    VertexSelection selection{.n_accessor = model().accessors[position].count};
+    std::vector<glm::uvec3> triangles = read_triangles(asset_, primitive, selection.n_accessor, where);
+    if (n_users_[position] > 1) selection = selector_.select(triangles, selection.n_accessor);
+    WorldVertices vertices = read_vertices(asset_, node, primitive, selection, world_, where);
+    const std::size_t n = selection.size();
     const std::size_t n_most = mesh.n_vertices() + n + 3 * triangles.size();
     if (n_most >= std::numeric_limits<std::uint32_t>::max())
       throw InvalidScene(asset_.path + ": expected fewer than 2^32 vertices in all placed copies together");
 
-    PlacedPrimitive placed{.node = node, .mesh = mesh_index, .primitive = primitive_index};
+    PlacedPrimitive placed{
+        .node = node, .mesh = mesh_index, .primitive = primitive_index, .vertices = selection};
     placed.vertex_begin = static_cast<std::uint32_t>(mesh.n_vertices());
-    placed.n_accessor_vertices = static_cast<std::uint32_t>(n);
     placed.source_begin = n_source_vertices_;
     placed.is_mirrored = vertices.is_mirrored;
     placed.triangle_begin = static_cast<std::uint32_t>(mesh.n_triangles());
@@ -142,8 +147,8 @@ class SceneReader {
     std::iota(sources.begin(), sources.end(), n_source_vertices_);
     append(mesh.source_vertices, std::move(sources));
     n_source_vertices_ += static_cast<std::uint32_t>(n);
-    read_colors(primitive, n, where);
-    for (std::size_t set = 0; set < 2; ++set) read_texcoords(primitive, set, n, where);
+    read_colors(primitive, selection, where);
+    for (std::size_t set = 0; set < 2; ++set) read_texcoords(primitive, set, selection, where);
 
     const auto material = static_cast<std::uint32_t>(primitive.material >= 0 ? index_of(primitive.material)
                                                                              : model().materials.size());
@@ -155,10 +160,11 @@ class SceneReader {
     append(mesh.triangles, std::move(triangles));
     if (is_flat) shade_flat(placed);
     placed.triangle_end = static_cast<std::uint32_t>(mesh.n_triangles());
-    asset_.placed.push_back(placed);
+    asset_.placed.push_back(std::move(placed));
   }
 
-  void read_colors(const tinygltf::Primitive& primitive, std::size_t n, const std::string& where) {
+  void read_colors(const tinygltf::Primitive& primitive, const VertexSelection& selection,
+                   const std::string& where) {
     Mesh& mesh = scene_.mesh;
     if (!has_colors_) return;
     const auto found = primitive.attributes.find("COLOR_0");
@@ -169,22 +175,22 @@ class SceneReader {
     }
     const std::size_t n_components = n_components_of(model().accessors[index_of(found->second)]) == 4 ? 4 : 3;
     const std::vector<float> values =
-        read_attribute(asset_, primitive.attributes, "COLOR_0", n_components, n, where);
+        read_attribute(asset_, primitive.attributes, "COLOR_0", n_components, selection, where);
     const auto unit = [](float x) { return x >= 0 ? std::min(x, 1.0f) : 0.0f; };
-    if (mesh.colors.empty()) mesh.colors.reserve(n);
-    for (std::size_t i = 0; i < n; ++i) {
+    if (mesh.colors.empty()) mesh.colors.reserve(selection.size());
+    for (std::size_t i = 0; i < selection.size(); ++i) {
       const float* c = values.data() + i * n_components;
       mesh.colors.push_back({unit(c[0]), unit(c[1]), unit(c[2])});
       if (has_opacities_) mesh.opacities.push_back(n_components == 4 ? unit(c[3]) : 1.0f);
     }
   }
 
-  void read_texcoords(const tinygltf::Primitive& primitive, std::size_t set, std::size_t n,
+  void read_texcoords(const tinygltf::Primitive& primitive, std::size_t set, const VertexSelection& selection,
                       const std::string& where) {
     if (!has_texcoords_[set]) return;
     std::vector<glm::vec2>& texcoords = scene_.mesh.texcoords[set];
     const std::vector<float> values =
-        read_attribute(asset_, primitive.attributes, fmt::format("TEXCOORD_{}", set), 2, n, where);
+        read_attribute(asset_, primitive.attributes, fmt::format("TEXCOORD_{}", set), 2, selection, where);
     for (std::size_t i = 0; i < values.size() / 2; ++i)
       texcoords.emplace_back(values[2 * i], values[2 * i + 1]);
     texcoords.resize(scene_.mesh.n_vertices(), glm::vec2(0));
@@ -195,7 +201,7 @@ class SceneReader {
   void shade_flat(const PlacedPrimitive& placed) {
     Mesh& mesh = scene_.mesh;
     ++n_flat_;
-    std::vector<bool> is_taken(placed.n_accessor_vertices, false);
+    std::vector<bool> is_taken(placed.vertices.size(), false);
     for (std::size_t f = placed.triangle_begin; f < mesh.n_triangles(); ++f) {
       glm::uvec3& t = mesh.triangles[f];
       const glm::dvec3 a(mesh.positions[t[0]]), b(mesh.positions[t[1]]), c(mesh.positions[t[2]]);
@@ -267,6 +273,8 @@ class SceneReader {
   Findings findings_;
   std::vector<glm::dmat4> world_;
   std::vector<std::size_t> nodes_;
+  std::vector<std::size_t> n_users_;  ///< Primitives of the file that have an accessor as their positions.
+  VertexSelector selector_;
   bool has_colors_ = false, has_opacities_ = false, has_texcoords_[2] = {false, false};
   std::uint32_t n_source_vertices_ = 0;
   std::size_t n_corners_left_over_ = 0, n_points_and_lines_ = 0, n_without_positions_ = 0, n_flat_ = 0,

@@ -35,40 +35,52 @@ std::vector<std::vector<std::uint32_t>> triangles_by_primitive(const GltfAsset& 
 class PrimitiveBuilder {
  public:
   PrimitiveBuilder(const Scene& scene, const BakedColors& baked)
-      : scene_(scene), mesh_(mesh_of(scene, baked)), baked_(baked), index_(mesh_.n_vertices(), no_vertex) {}
+      : scene_(scene),
+        mesh_(mesh_of(scene, baked)),
+        baked_(baked),
+        index_(mesh_.n_vertices(), no_vertex),
+        written_of_(mesh_.n_vertices(), no_vertex) {}
 
   BakedPrimitive build(const PlacedPrimitive& placed, const std::vector<std::uint32_t>& triangles) {
     BakedPrimitive primitive;
-    if (find_accessor_vertices(placed, triangles, primitive.mesh_vertices)) return primitive;
-    primitive.mesh_vertices.clear();
+    std::vector<std::uint32_t> found;
+    const bool has_selected_only = find_selected_vertices(placed, triangles, found);
+    if (has_selected_only && placed.vertices.selected.empty()) {
+      primitive.mesh_vertices = std::move(found);
+      return primitive;
+    }
     primitive.is_rewritten = true;
-    for (const std::uint32_t f : triangles) add_triangle(placed, mesh_.triangles[f], primitive);
+    for (const std::uint32_t f : triangles) {
+      glm::uvec3 t = mesh_.triangles[f];
+      for (int c = 0; c < 3 && has_selected_only; ++c) t[c] = found[selected_vertex(placed, t[c])];
+      add_triangle(placed, t, primitive);
+    }
     for (const std::uint32_t v : met_) index_[v] = no_vertex;
     met_.clear();
-    for (const std::uint32_t v : primitive.mesh_vertices) written_of_.erase(v);
+    for (const std::uint32_t v : primitive.mesh_vertices) written_of_[v] = no_vertex;
     return primitive;
   }
 
  private:
   bool is_cut(std::uint32_t v) const { return !baked_.cuts.empty() && v >= scene_.mesh.n_vertices(); }
 
-  /// The accessor's vertex that a vertex of the mesh comes from.
-  std::uint32_t accessor_vertex(const PlacedPrimitive& placed, std::uint32_t v) const {
+  /// Which of the selected vertices a vertex of the mesh comes from.
+  std::uint32_t selected_vertex(const PlacedPrimitive& placed, std::uint32_t v) const {
     const Mesh& mesh = baked_.cuts.empty() ? mesh_ : scene_.mesh;
     return mesh.source_vertex_of(v) - placed.source_begin;
   }
 
-  /// For each accessor vertex one vertex of the mesh, where all that stand for it have the same colour.
-  bool find_accessor_vertices(const PlacedPrimitive& placed, const std::vector<std::uint32_t>& triangles,
+  /// For each selected vertex one vertex of the mesh, where all that stand for it have the same colour.
+  bool find_selected_vertices(const PlacedPrimitive& placed, const std::vector<std::uint32_t>& triangles,
                               std::vector<std::uint32_t>& found) const {
     if (triangles.size() != placed.triangle_end - placed.triangle_begin) return false;
-    found.assign(placed.n_accessor_vertices, no_vertex);
+    found.assign(placed.vertices.size(), no_vertex);
     for (std::uint32_t i = 0; i < triangles.size(); ++i) {
       const glm::uvec3& t = mesh_.triangles[triangles[i]];
       const glm::uvec3& original = scene_.mesh.triangles[placed.triangle_begin + i];
       for (int c = 0; c < 3; ++c) {
         if (is_cut(t[c])) return false;
-        const std::uint32_t at = accessor_vertex(placed, t[c]);
+        const std::uint32_t at = selected_vertex(placed, t[c]);
         if (at != scene_.mesh.source_vertex_of(original[c]) - placed.source_begin) return false;
         if (found[at] == no_vertex) found[at] = t[c];
         if (!(baked_.colors[found[at]] == baked_.colors[t[c]])) return false;
@@ -85,13 +97,12 @@ class PrimitiveBuilder {
     if (placed.is_mirrored) std::swap(t[1], t[2]);
     for (int c = 0; c < 3; ++c) {
       const std::uint32_t v = t[c];
-      const auto [place, is_new] =
-          written_of_.try_emplace(v, static_cast<std::uint32_t>(primitive.mesh_vertices.size()));
-      if (is_new) {
+      if (written_of_[v] == no_vertex) {
+        written_of_[v] = static_cast<std::uint32_t>(primitive.mesh_vertices.size());
         primitive.mesh_vertices.push_back(v);
         primitive.vertices.push_back(origin_of(placed, v, primitive));
       }
-      t[c] = place->second;
+      t[c] = written_of_[v];
     }
     primitive.triangles.push_back(t);
   }
@@ -111,7 +122,7 @@ class PrimitiveBuilder {
         if (!has_a || !has_b) continue;
         origin = {.is_cut = true, .a = index_[cut.a], .b = index_[cut.b], .t = cut.t};
       } else if (index_[v] == no_vertex) {
-        origin.a = accessor_vertex(placed, v);
+        origin.a = placed.vertices.accessor_vertex(selected_vertex(placed, v));
       }
       open.pop_back();
       if (index_[v] != no_vertex) continue;
@@ -127,7 +138,7 @@ class PrimitiveBuilder {
   const BakedColors& baked_;
   std::vector<std::uint32_t> index_;  ///< Origin of a mesh vertex in the primitive at work.
   std::vector<std::uint32_t> met_;
-  std::map<std::uint32_t, std::uint32_t> written_of_;
+  std::vector<std::uint32_t> written_of_;  ///< Number of a mesh vertex in the primitive at work.
 };
 
 /// The accessor vertex that each origin takes values from that cannot be mixed.
@@ -144,41 +155,50 @@ bool has_cuts(const BakedPrimitive& baked) {
                      [](const VertexOrigin& origin) { return origin.is_cut; });
 }
 
-/// n_components floats of each origin.
-std::vector<float> interpolate(const std::vector<float>& values, std::size_t n_components,
-                               const std::vector<VertexOrigin>& origins, bool is_direction) {
-  std::vector<float> mixed(origins.size() * n_components);
+/// Gives the cuts among the origins their values.
+/// @param values  n_components of each origin; those of cuts do not matter.
+void interpolate(std::vector<float>& values, std::size_t n_components,
+                 const std::vector<VertexOrigin>& origins, bool is_direction) {
   for (std::size_t i = 0; i < origins.size(); ++i) {
     const VertexOrigin& origin = origins[i];
-    float* to = mixed.data() + i * n_components;
-    const float* a = (origin.is_cut ? mixed.data() : values.data()) + origin.a * n_components;
-    if (!origin.is_cut) {
-      std::copy(a, a + n_components, to);
-      continue;
-    }
-    const float* b = mixed.data() + origin.b * n_components;
+    if (!origin.is_cut) continue;
+    float* to = values.data() + i * n_components;
+    const float *a = values.data() + origin.a * n_components, *b = values.data() + origin.b * n_components;
     for (std::size_t k = 0; k < n_components; ++k) to[k] = (1 - origin.t) * a[k] + origin.t * b[k];
     if (!is_direction) continue;
     const float length = std::sqrt(to[0] * to[0] + to[1] * to[1] + to[2] * to[2]);
     for (std::size_t k = 0; k < 3; ++k) to[k] = length > 0 ? to[k] / length : a[k];
     if (n_components == 4) to[3] = a[3];  // The handedness of a tangent.
   }
-  return mixed;
 }
 
-/// Elements at `indices`, padded to a multiple of 4 bytes.
-std::vector<unsigned char> gather_elements(const std::vector<unsigned char>& bytes, std::size_t n_bytes,
-                                           const std::vector<std::uint32_t>& indices) {
-  const std::size_t stride = (n_bytes + 3) / 4 * 4;
-  std::vector<unsigned char> gathered(indices.size() * stride);
-  for (std::size_t i = 0; i < indices.size(); ++i)
-    std::memcpy(gathered.data() + i * stride, bytes.data() + indices[i] * n_bytes, n_bytes);
-  return gathered;
+/// n elements, each padded to a multiple of 4 bytes.
+std::vector<unsigned char> padded(std::vector<unsigned char> bytes, std::size_t n) {
+  const std::size_t n_bytes = bytes.size() / n, stride = (n_bytes + 3) / 4 * 4;
+  if (stride == n_bytes) return bytes;
+  std::vector<unsigned char> wide(n * stride);
+  for (std::size_t i = 0; i < n; ++i)
+    std::memcpy(wide.data() + i * stride, bytes.data() + i * n_bytes, n_bytes);
+  return wide;
 }
 
-const char* type_name(std::size_t n_components) {
-  constexpr const char* names[] = {"SCALAR", "VEC2", "VEC3", "VEC4"};
-  return names[n_components - 1];
+const char* type_name(int type) {
+  switch (type) {
+    case TINYGLTF_TYPE_VEC2:
+      return "VEC2";
+    case TINYGLTF_TYPE_VEC3:
+      return "VEC3";
+    case TINYGLTF_TYPE_VEC4:
+      return "VEC4";
+    case TINYGLTF_TYPE_MAT2:
+      return "MAT2";
+    case TINYGLTF_TYPE_MAT3:
+      return "MAT3";
+    case TINYGLTF_TYPE_MAT4:
+      return "MAT4";
+    default:
+      return "SCALAR";
+  }
 }
 
 double component_at(const unsigned char* bytes, int component_type) {
@@ -278,11 +298,12 @@ std::size_t PrimitiveRewriter::rewrite_accessor(std::size_t index, const std::st
   const bool is_whole = accessor.componentType != TINYGLTF_COMPONENT_TYPE_FLOAT && !accessor.normalized &&
                         semantic.starts_with("_");
   const bool can_mix = !semantic.starts_with("JOINTS_") && !semantic.starts_with("WEIGHTS_") && !is_whole;
-  GltfElements elements{.count = baked.vertices.size(), .type = type_name(n_components)};
+  GltfElements elements{.count = baked.vertices.size(), .type = type_name(accessor.type)};
+  const std::vector<std::uint32_t> nearest = nearest_accessor_vertices(baked.origins);
   if (has_cuts(baked) && can_mix) {
     const bool is_direction = !is_target && (semantic == "NORMAL" || semantic == "TANGENT");
-    const std::vector<float> mixed =
-        interpolate(decode_floats(asset_.model, index), n_components, baked.origins, is_direction);
+    std::vector<float> mixed = decode_floats(asset_.model, index, nearest);
+    interpolate(mixed, n_components, baked.origins, is_direction);
     std::vector<float> values;
     values.reserve(elements.count * n_components);
     for (const std::uint32_t origin : baked.vertices)
@@ -290,17 +311,15 @@ std::size_t PrimitiveRewriter::rewrite_accessor(std::size_t index, const std::st
     elements.bytes = bytes_of(values);
     return append_once(elements, semantic);
   }
-  const std::vector<std::uint32_t> nearest = nearest_accessor_vertices(baked.origins);
   std::vector<std::uint32_t> from;
   from.reserve(elements.count);
   for (const std::uint32_t origin : baked.vertices) from.push_back(nearest[origin]);
-  const std::vector<unsigned char> bytes = decode_bytes(asset_.model, index);
-  const std::size_t n_bytes = bytes.size() / accessor.count;
-  const std::vector<unsigned char> gathered = gather_elements(bytes, n_bytes, from);
-  elements.bytes = gathered;
+  std::vector<unsigned char> bytes = decode_bytes(asset_.model, index, from);
+  elements.is_strided = bytes.size() / elements.count % 4 != 0;
+  bytes = padded(std::move(bytes), elements.count);
+  elements.bytes = bytes;
   elements.component_type = accessor.componentType;
   elements.is_normalized = accessor.normalized;
-  elements.is_strided = n_bytes % 4 != 0;
   return append_once(elements, semantic);
 }
 

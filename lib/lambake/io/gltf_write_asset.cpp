@@ -228,9 +228,8 @@ class AssetWriter {
     add_finding(findings, "vertex_colors_multiplied", n_multiplied_,
                 "primitive[|s] had vertex colours; the product of colour and light is written");
     add_finding(findings, "rewritten_primitives", n_rewritten_,
-                "primitive[ has|s have] other vertices than in the file, as [its|their] corners or cuts need "
-                "them; [its|their] "
-                "attributes are written anew");
+                "primitive[ has|s have] other vertices than in the file, as corners, cuts or a vertex buffer "
+                "of several primitives need them; [its|their] attributes are written anew");
     add_finding(findings, "joints_left_out", n_cut_short_,
                 "vert[ex|ices] of cuts lie[s|] between vertices of more joints than the file has places for; "
                 "the weakest are left out");
