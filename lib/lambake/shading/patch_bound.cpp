@@ -136,7 +136,7 @@ double screen_gap(double low_f, double high_f, double low_g, double high_g, doub
   const double f = std::min(g + e, high_f);
   const auto screen = [](double x) { return srgb_encode(std::clamp(x, 0.0, 1.0)); };
   const double jump = g < 0.0031309 && f > 0.0031307 ? 4e-8 : 0;
-  return std::max(0.0, screen(f) - screen(g)) + jump + 1e-15;
+  return std::min(1.0, std::max(0.0, screen(f) - screen(g)) + jump + 1e-15);
 }
 
 class Bounder {
