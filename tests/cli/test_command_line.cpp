@@ -69,6 +69,12 @@ TEST(CommandLine, OptionsThatTheMethodDoesNotHeed_AreTold) {
             "lambake: --tolerance says nothing to --method sample; it is for adaptive and auto\n"
             "lambake: --levels says nothing to --method sample; it is for uniform\n");
   EXPECT_EQ(run_tool(folder, "bake in.off --sun 0,0,1 --method uniform --levels 2 -o a.glb").err, "");
+  EXPECT_EQ(
+      run_tool(folder, "bake in.off --sun 0,0,1 --method average --light-tolerance 0 -o a.glb").err,
+      "lambake: --light-tolerance says nothing to --method average; it is for sample and face and uniform "
+      "and auto\n");
+  EXPECT_EQ(run_tool(folder, "bake in.off --sun 0,0,1 --scene 1 -o a.glb").err,
+            "lambake: --scene says nothing to OFF; it is for glTF\n");
 }
 
 TEST(CommandLine, Help_EveryCommand_HasAnExampleThatRuns) {
@@ -232,6 +238,7 @@ TEST(CommandLine, GltfInTheWayOfItsSourcesBuffer_IsRefused) {
   const ToolResult refused = run_tool(folder, "bake c.gltf -o a.gltf --quiet");
   EXPECT_EQ(refused.exit_code, 2);
   EXPECT_NE(refused.err.find("a.bin"), std::string::npos) << refused.err;
+  EXPECT_EQ(run_tool(folder, "bake c.gltf -o a.GLTF --quiet").exit_code, 2);
   EXPECT_EQ(run_tool(folder, "bake c.gltf -o c.gltf").exit_code, 0);
 }
 

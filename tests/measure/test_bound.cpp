@@ -85,6 +85,14 @@ TEST(SurfaceBound, OnScreen_ClippedColoursDoNotDiffer) {
   EXPECT_LT(surface_bound(scene, baked, {}).max_bound, 1e-9);
 }
 
+// Black for white is off by all there is, and by no more.
+TEST(SurfaceBound, OnScreen_NothingIsAbove1) {
+  const Scene scene = scene_of(grid(1, 1), {sun({0, 1, 0}, {3, 3, 3})});
+  BakedColors baked = bake(scene, {});
+  for (LinearRgb& c : baked.colors) c = {0, 0, 0};
+  EXPECT_EQ(surface_bound(scene, baked, {}).max_bound, 1);
+}
+
 // Such a corner shows texel 0, wherever the others are.
 TEST(SurfaceBound, TextureCoordinateThatIsNoNumber_LeavesTheWholeTexture) {
   Scene scene = scene_of(grid(1, 1), {sun({0, 1, 0})});

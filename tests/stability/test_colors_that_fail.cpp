@@ -10,6 +10,7 @@
 #include "lambake/io/ply_write.h"
 #include "lambake/io/scene_file.h"
 #include "lambake/measure/error_shares.h"
+#include "lambake/measure/surface_error.h"
 #include "measure/storing.h"
 
 namespace lambake {
@@ -144,6 +145,10 @@ TEST(Storage, InTheDark_EachMethodsColoursLoseHalfAStepAtMost_AndCuttingForItIsN
       if (method != BakeMethod::adaptive) continue;
       // On screen half a step at black is 12.92/510 = 6.5/255: no mesh brings that below 1/255.
       EXPECT_FALSE(baked.certificate->is_certified) << dark;
+      // What is open is told closely all the same.
+      EXPECT_LE(baked.certificate->max_bound,
+                1.2 * surface_error(scene, baked, ErrorSpace::display).max_sampled)
+          << dark;
       // A few cuts lie elsewhere, as stored colours of a quarter of the tolerance off are balanced otherwise.
       EXPECT_LE(baked.colors.size(), n_sound + n_sound / 20) << dark;
     }

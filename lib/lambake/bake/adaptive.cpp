@@ -267,46 +267,41 @@ class AdaptiveBake {
 
   /// Certified bounds of the triangles, no better than `level` needs; none once it is late.
   void bound(const std::vector<std::uint32_t>& triangles, double level) {
+    const BoundOptions how{.space = options_.tolerance_space,
+                           .accept = level,
+                           .reject = level,
+                           .tightness = 1,
+                           .max_parts = max_parts};
     parallel_blocks(triangles.size(), block_size, [&](std::size_t begin, std::size_t end) {
       std::vector<std::uint32_t> lights;
-      BoundOptions how;
-      how.space = options_.tolerance_space;
-      how.tightness = 1;
-      how.max_parts = max_parts;
-      for (std::size_t i = begin; i < end; ++i) {
-        const std::uint32_t f = triangles[i];
-        bounds_[f] = infinity;
-        if (is_late()) continue;
-        bounds_[f] = 0;
-        const Patch patch = colors_.patch(cut_.mesh().triangles[f]);
-        if (area_of(patch) == 0) continue;
-        find_reaching_lights(scene_.lights, patch, lights);
-        const FinishRange finish = finishes_.over(cut_.mesh(), f);
-        const double moved = change_by_rounding(f, patch, finish);
-        how.accept = how.reject = std::max(level - moved, 0.5 * level);
-        const double known = bound_patch(patch, finish, scene_.lights, lights, how).bound;
-        bounds_[f] = bound_with_change(known, moved, options_.tolerance_space);
-      }
+      for (std::size_t i = begin; i < end; ++i)
+        bounds_[triangles[i]] = is_late() ? infinity : bound_of(triangles[i], how, lights);
     });
   }
 
   /// Bounds near the truth, for what is told of triangles that stay open: bound() leaves them where it has
   /// found an error above the level.
   void bound_closely(const std::vector<std::uint32_t>& triangles) {
+    const BoundOptions how{.space = options_.tolerance_space};
     parallel_blocks(triangles.size(), block_size, [&](std::size_t begin, std::size_t end) {
       std::vector<std::uint32_t> lights;
-      const BoundOptions how{.space = options_.tolerance_space};
       for (std::size_t i = begin; i < end && !is_late(); ++i) {
-        const std::uint32_t f = triangles[i];
-        if (!std::isfinite(bounds_[f])) continue;
-        const Patch patch = colors_.patch(cut_.mesh().triangles[f]);
-        find_reaching_lights(scene_.lights, patch, lights);
-        const FinishRange finish = finishes_.over(cut_.mesh(), f);
-        const double known = bound_patch(patch, finish, scene_.lights, lights, how).bound;
-        const double moved = change_by_rounding(f, patch, finish);
-        bounds_[f] = std::min(bounds_[f], bound_with_change(known, moved, options_.tolerance_space));
+        double& known = bounds_[triangles[i]];
+        if (std::isfinite(known)) known = std::min(known, bound_of(triangles[i], how, lights));
       }
     });
+  }
+
+  /// @param how  levels with what the rounding of corners adds. @param lights  room to work in.
+  double bound_of(std::uint32_t f, BoundOptions how, std::vector<std::uint32_t>& lights) const {
+    const Patch patch = colors_.patch(cut_.mesh().triangles[f]);
+    if (area_of(patch) == 0) return 0;
+    find_reaching_lights(scene_.lights, patch, lights);
+    const FinishRange finish = finishes_.over(cut_.mesh(), f);
+    const double moved = change_by_rounding(f, patch, finish);
+    for (double* level : {&how.accept, &how.reject}) *level = std::max(*level - moved, 0.5 * *level);
+    const double known = bound_patch(patch, finish, scene_.lights, lights, how).bound;
+    return bound_with_change(known, moved, options_.tolerance_space);
   }
 
   /// What the colours of a triangle change because its corners are stored as float.
