@@ -106,9 +106,11 @@ TEST(NormalSums, FacesFarSmallerAndLargerThanTheMesh_AsInDouble) {
 }
 
 TEST(NormalSums, LargeSliversOutsideTheSample_AsInDouble) {
-  // Sides of 1e10 units, whose squares' product is past float, though the area is not.
-  Mesh mesh = patch(1, 0, 1);
+  // Sides of 1e10 units, whose squares' product is past float, though the area is not. Every fifth vertex is
+  // in the sample, and none of these.
+  Mesh mesh = height_field(70);
   const auto n = static_cast<std::uint32_t>(mesh.n_vertices());
+  ASSERT_EQ(n, 5041U);
   mesh.positions.insert(mesh.positions.end(), {{0, 0, 1}, {1e10f, 1e3f, 1}, {1e10f, -1e3f, 1}});
   mesh.triangles.emplace_back(n, n + 2, n + 1);
   for (const NormalWeight weight : every_weight)
