@@ -36,7 +36,7 @@ struct alignas(64) Block {
   float x[n_in_block], y[n_in_block], z[n_in_block];  // Twice the area vector; NaN where there may be none.
   float terms[3][n_in_block];                         // Of each corner's weight. All in units of the window.
   float is_sliver[n_in_block];                        // 0 or 1.
-  float length[n_in_block];                           // Of the area vector.
+  float length[n_in_block];                           // Of the area vector; before find_lengths() squared.
   float angles[2 * n_in_block];  // The two smaller ones of each face, in the order of the corners.
 };
 
@@ -98,17 +98,19 @@ HWY_INLINE F position_of(const glm::vec3* positions, std::uint32_t v) {
   return hn::LoadDup128(Floats(), &positions[v].x);
 }
 
-/// x, y, z of one vertex, and what comes after: of a second one in the upper four lanes, where there are
-/// eight.
+/// x, y, z of one vertex, and what comes after; where there are eight lanes, of the same corner of the next
+/// face in the upper four.
 HWY_INLINE F row_of(const glm::vec3* positions, const std::uint32_t* v) {
 #if HWY_MAX_BYTES >= 32
   if constexpr (hn::MaxLanes(Floats()) == 8)
-    return hn::ConcatUpperLower(Floats(), position_of(positions, v[12]), position_of(positions, v[0]));
+    return hn::ConcatUpperLower(Floats(), position_of(positions, v[3]), position_of(positions, v[0]));
 #endif
   return position_of(positions, v[0]);
 }
 
-/// The positions of one corner of as many faces as a vector has lanes. Reads 16 bytes of each.
+/// The positions of one corner of as many faces as a vector has lanes: of eight faces the even ones come
+/// first, then the odd ones, so that neither this nor store_rows() moves anything between the halves of
+/// vectors. Reads 16 bytes of each.
 /// @param v  the corner of the first face; that of the next is three numbers on.
 HWY_INLINE F3 load_corners(const glm::vec3* positions, const std::uint32_t* v) {
   const Floats f;
@@ -117,8 +119,9 @@ HWY_INLINE F3 load_corners(const glm::vec3* positions, const std::uint32_t* v) {
   return {hn::Set(f, p.x), hn::Set(f, p.y), hn::Set(f, p.z)};
 #else
   const hn::RepartitionToWide<Floats> pairs;
-  const F r0 = row_of(positions, v), r1 = row_of(positions, v + 3), r2 = row_of(positions, v + 6),
-          r3 = row_of(positions, v + 9);
+  constexpr std::size_t step = 3 * (hn::MaxLanes(Floats()) / 4);  // A row is of one face or of two.
+  const F r0 = row_of(positions, v), r1 = row_of(positions, v + step), r2 = row_of(positions, v + 2 * step),
+          r3 = row_of(positions, v + 3 * step);
   const auto low01 = hn::BitCast(pairs, hn::InterleaveLower(f, r0, r1)),
              low23 = hn::BitCast(pairs, hn::InterleaveLower(f, r2, r3)),
              high01 = hn::BitCast(pairs, hn::InterleaveUpper(f, r0, r1)),
@@ -129,12 +132,33 @@ HWY_INLINE F3 load_corners(const glm::vec3* positions, const std::uint32_t* v) {
 #endif
 }
 
+/// The way back from load_corners(): four numbers of each face, in the order of the faces.
+HWY_INLINE void store_rows(const F3& a, F b, float* rows) {
+#if HWY_TARGET == HWY_SCALAR
+  rows[0] = hn::GetLane(a.x), rows[1] = hn::GetLane(a.y), rows[2] = hn::GetLane(a.z),
+  rows[3] = hn::GetLane(b);
+#else
+  const Floats f;
+  const hn::RepartitionToWide<Floats> pairs;
+  const auto low_xy = hn::BitCast(pairs, hn::InterleaveLower(f, a.x, a.y)),
+             low_zb = hn::BitCast(pairs, hn::InterleaveLower(f, a.z, b)),
+             high_xy = hn::BitCast(pairs, hn::InterleaveUpper(f, a.x, a.y)),
+             high_zb = hn::BitCast(pairs, hn::InterleaveUpper(f, a.z, b));
+  const std::size_t n = hn::Lanes(f);
+  hn::Store(hn::BitCast(f, hn::InterleaveLower(pairs, low_xy, low_zb)), f, rows);
+  hn::Store(hn::BitCast(f, hn::InterleaveUpper(pairs, low_xy, low_zb)), f, rows + n);
+  hn::Store(hn::BitCast(f, hn::InterleaveLower(pairs, high_xy, high_zb)), f, rows + 2 * n);
+  hn::Store(hn::BitCast(f, hn::InterleaveUpper(pairs, high_xy, high_zb)), f, rows + 3 * n);
+#endif
+}
+
 template <NormalWeight weight, typename Tag>
 HWY_INLINE void store_measured(Tag tag, const Vector3<hn::Vec<Tag>>& n, const Vector3<hn::Vec<Tag>>& terms,
                                Block& block, std::size_t i) {
   hn::Store(n.x, tag, block.x + i);
   hn::Store(n.y, tag, block.y + i);
   hn::Store(n.z, tag, block.z + i);
+  hn::Store(dot(n, n), tag, block.length + i);
   if constexpr (weight == NormalWeight::angle || weight == NormalWeight::max) {
     hn::Store(terms.x, tag, block.terms[0] + i);
     hn::Store(terms.y, tag, block.terms[1] + i);
@@ -244,8 +268,7 @@ HWY_INLINE F ratio(F sine, F cosine) {
 template <NormalWeight weight>
 HWY_INLINE void find_lengths(Block& block, std::size_t i) {
   const Floats f;
-  const F3 n = {hn::Load(f, block.x + i), hn::Load(f, block.y + i), hn::Load(f, block.z + i)};
-  const F length = hn::Sqrt(dot(n, n));
+  const F length = hn::Sqrt(hn::Load(f, block.length + i));
   hn::Store(length, f, block.length + i);
   if constexpr (weight == NormalWeight::angle) {
     const F3 t = load_terms(block, i);
@@ -305,10 +328,8 @@ HWY_INLINE void weigh(Block& block, std::size_t i) {
     is_sure = hn::And(is_sure, hn::Gt(hn::Min(w.x, hn::Min(w.y, w.z)), hn::Zero(f)));
   const F nan = hn::Set(f, std::numeric_limits<float>::quiet_NaN());
   const F3 normal = scale(n, hn::IfThenElse(is_sure, hn::Div(hn::Set(f, 1.0f), length), nan));
-  const auto store = [&](F share, int corner) HWY_ATTR {
-    hn::StoreInterleaved4(hn::Mul(normal.x, share), hn::Mul(normal.y, share), hn::Mul(normal.z, share), share,
-                          f, &block.corners[corner][4 * i]);
-  };
+  const auto store = [&](F share, int corner)
+                         HWY_ATTR { store_rows(scale(normal, share), share, &block.corners[corner][4 * i]); };
   store(w.x, 0);
   if constexpr (!has_one_share(weight)) {
     store(w.y, 1);
