@@ -157,7 +157,8 @@ class Bounder {
     const Part whole = make_part(glm::dmat3(1.0));
     result_.bound = whole.bound;
     if (result_.bound <= options_.accept) return result_;
-    look(glm::dmat3(1.0));
+    for (int c = 0; c < 3; ++c) look(whole.corners[c]);
+    look(middle_of(whole.corners));
     std::priority_queue<Part> parts;
     parts.push(whole);
     std::vector<glm::dmat3> pieces;
@@ -167,11 +168,16 @@ class Bounder {
       pieces.clear();
       if (part.kink_light != no_light) cut_at_terminator(all_[part.kink_light], patch_, part.corners, pieces);
       if (pieces.size() < 2) bisect(part, pieces);
+      // The first piece has all corners that are new.
+      for (int c = 0; c < 3; ++c)
+        if (pieces[0][c] != part.corners[0] && pieces[0][c] != part.corners[1] &&
+            pieces[0][c] != part.corners[2])
+          look(pieces[0][c]);
       for (const glm::dmat3& piece : pieces) {
         Part child = make_part(piece);
         // Over less of the surface the truth is not larger.
         child.bound = std::min(child.bound, part.bound);
-        look(piece);
+        look(middle_of(piece));
         parts.push(child);
       }
       result_.bound = parts.top().bound;
@@ -207,24 +213,25 @@ class Bounder {
     pieces.emplace_back(middle, part.corners[j], part.corners[k]);
   }
 
-  /// Samples the error at the corners and the middle of a part.
-  void look(const glm::dmat3& corners) {
-    for (const glm::dvec3& b :
-         {corners[0], corners[1], corners[2], (corners[0] + corners[1] + corners[2]) / 3.0}) {
-      const glm::dvec3 f = reference_at(patch_, all_, lights_, finish_.is_unlit, b);
-      const glm::dvec3 g = patch_.colors * b;
-      for (int i = 0; i < n_channels_; ++i) {
-        // Found is found with any finish within its range.
-        const int c = channels_[i];
-        const double base = finish_.base_low[c], emission = finish_.emission_low[c];
-        double e = base * std::abs(f[c] - g[c]);
-        if (options_.space == ErrorSpace::display) {
-          if (steepest_from(emission + base * std::min(f[c], g[c])) * e <= result_.found) continue;
-          e = std::abs(compared(emission + base * f[c], options_.space) -
-                       compared(emission + base * g[c], options_.space));
-        }
-        if (e > result_.found) result_.found = e, result_.found_at = b;
+  static glm::dvec3 middle_of(const glm::dmat3& corners) {
+    return (corners[0] + corners[1] + corners[2]) / 3.0;
+  }
+
+  /// Samples the error at the barycentrics `b`.
+  void look(const glm::dvec3& b) {
+    const glm::dvec3 f = reference_at(patch_, all_, lights_, finish_.is_unlit, b);
+    const glm::dvec3 g = patch_.colors * b;
+    for (int i = 0; i < n_channels_; ++i) {
+      // Found is found with any finish within its range.
+      const int c = channels_[i];
+      const double base = finish_.base_low[c], emission = finish_.emission_low[c];
+      double e = base * std::abs(f[c] - g[c]);
+      if (options_.space == ErrorSpace::display) {
+        if (steepest_from(emission + base * std::min(f[c], g[c])) * e <= result_.found) continue;
+        e = std::abs(compared(emission + base * f[c], options_.space) -
+                     compared(emission + base * g[c], options_.space));
       }
+      if (e > result_.found) result_.found = e, result_.found_at = b;
     }
   }
 
