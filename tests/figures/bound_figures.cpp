@@ -86,14 +86,7 @@ void draw_enclosure(const std::string& path) {
     for (std::size_t i = 0; i + 1 < ends.size(); ++i) {
       const glm::dvec3 from(1 - ends[i], ends[i], 0), to(1 - ends[i + 1], ends[i + 1], 0);
       const Patch part = part_of(e.patch, glm::dmat3(from, to, to));
-      // 1/‖N‖ over the part by its ends and the smallest length between them: ‖N‖² is exact in this form.
-      const glm::dmat3& n = part.normals;
-      const Enclosure square{{glm::dot(n[0], n[0]), glm::dot(n[1], n[1]), glm::dot(n[2], n[2])},
-                             {-glm::dot(n[1] - n[0], n[1] - n[0]), -glm::dot(n[2] - n[1], n[2] - n[1]),
-                              -glm::dot(n[0] - n[2], n[0] - n[2])},
-                             0,
-                             0};
-      const Enclosure light = received_over(e.lights[0], part, true, 1 + 1e-12) * power(square, -0.5);
+      const Enclosure light = light_over(e.lights[0], part);
       const auto value = [&](double x, double offset) {
         const double u = (x - ends[i]) / (ends[i + 1] - ends[i]);
         return light.linear[0] * (1 - u) + light.linear[1] * u + light.quadratic[0] * u * (1 - u) +

@@ -3,57 +3,24 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <queue>
 #include <vector>
 
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "lambake/shading/patch_bound.cpp"
+#include <hwy/foreach_target.h>  // compiles the part below once per vector path
+#include <hwy/highway.h>
+
+#include "lambake/shading/enclosed_light-inl.h"
+#include "lambake/shading/light_blocks.h"
+
+#ifndef LAMBAKE_SHADING_PATCH_BOUND_ONCE
+#define LAMBAKE_SHADING_PATCH_BOUND_ONCE
 namespace lambake {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-
-/// A square this much smaller than its largest corner is not told from 0: parts get smaller until it is.
-constexpr double vanishing = 1e-5;
-
-/// u·v of two vectors that are linear over the triangle: exact in this form.
-Enclosure dot(const glm::dmat3& u, const glm::dmat3& v) {
-  Enclosure e;
-  double square_u = 0, square_v = 0;
-  for (int k = 0; k < 3; ++k) {
-    const int next = (k + 1) % 3;
-    e.linear[static_cast<std::size_t>(k)] = glm::dot(u[k], v[k]);
-    e.quadratic[static_cast<std::size_t>(k)] = -glm::dot(u[next] - u[k], v[next] - v[k]);
-    square_u = std::max(square_u, glm::dot(u[k], u[k]));
-    square_v = std::max(square_v, glm::dot(v[k], v[k]));
-  }
-  widen(e, 8 * std::sqrt(square_u) * std::sqrt(square_v));
-  return e;
-}
-
-Enclosure linear(double a, double b, double c) {
-  return {{a, b, c}, {}, 0, 0};
-}
-
-bool is_positive(const Enclosure& square) {
-  return range(square).low > vanishing * std::max({square.linear[0], square.linear[1], square.linear[2]});
-}
-
-/// Falloff window and cone, as falloff() and spot_cone() of lambert.h have them.
-Enclosure window_over(const Light& light, const Enclosure& distance_squared) {
-  const Enclosure ratio = (1 / (double(light.range) * double(light.range))) * distance_squared;
-  return positive_part(linear(1, 1, 1) + -1.0 * (ratio * ratio));
-}
-
-Enclosure cone_over(const Light& light, const glm::dmat3& to_light, const Enclosure& inverse_distance) {
-  const double outer = versine(double(light.outer_cone_rad));
-  const double scale = 1 / std::max(0.001, outer - versine(double(light.inner_cone_rad)));
-  const glm::dvec3 axis(light.spot_direction);
-  // outer − |axis + ω|²/2 in terms of axis·ω; the axis is of length 1 up to the rounding of its floats.
-  const double cos_outer = (1 + glm::dot(axis, axis)) / 2 - outer;
-  const Enclosure along = dot(to_light, glm::dmat3(-axis, -axis, -axis)) * inverse_distance;
-  const Enclosure x = scale * (along + linear(-cos_outer, -cos_outer, -cos_outer));
-  const Enclosure ramp = positive_part(x) + -1.0 * positive_part(x + linear(-1, -1, -1));
-  return ramp * ramp;
-}
 
 /// The steepest that the screen's curve is from `x` on, to within 8 %: a step function of its slope.
 double steepest_from(double x) {
@@ -74,47 +41,6 @@ double steepest_from(double x) {
   return slopes[static_cast<std::size_t>((exponent - 1 + n_octaves) * n_steps +
                                          static_cast<int>((mantissa - 1) * n_steps))];
 }
-
-}  // namespace
-
-Enclosure received_over(const Light& light, const Patch& patch, bool has_normal, double longest) {
-  const glm::dmat3& n = patch.normals;
-  if (light.type == LightType::directional) {
-    const glm::dvec3 w(light.direction_to_light);
-    const Enclosure s = dot(n, glm::dmat3(w, w, w));
-    if (range(s).high <= 0) return {};
-    // n·ω is at most |ω|, which is 1 up to the rounding of its three floats.
-    return has_normal ? positive_part(s) : anything_in({0, 1 + 1e-6});
-  }
-  const glm::dvec3 at(light.position);
-  const glm::dmat3 to_light(at - patch.positions[0], at - patch.positions[1], at - patch.positions[2]);
-  const Enclosure s = dot(n, to_light), distance_squared = dot(to_light, to_light);
-  const Interval facing = range(s), distances = range(distance_squared);
-  if (facing.high <= 0) return {};
-  const double reach = light.range;
-  if (reach > 0 && distances.low >= reach * reach) return {};
-
-  const double k = light.decay;
-  if (!(distances.low > 0)) return anything_in({0, k == 0 ? longest * (1 + 1e-12) : infinity});
-  const double most =
-      longest * (k == 2 ? 1 / distances.low : std::pow(distances.low, -0.5 * k)) * (1 + 1e-12);
-  if (!is_positive(distance_squared)) return anything_in({0, most});
-  Enclosure value;
-  if (has_normal) {
-    value = positive_part(s) * power(distance_squared, -0.5 * (k + 1));
-  } else {
-    value = anything_in({0, 1});
-    if (k > 0) value = value * power(distance_squared, -0.5 * k);
-  }
-  if (reach > 0) value = value * window_over(light, distance_squared);
-  if (light.type == LightType::spot)
-    value = value * cone_over(light, to_light, power(distance_squared, -0.5));
-  const Interval values = range(value);
-  // Not a number where a power has left double: nothing is known then but `most`.
-  return values.high - values.low <= most ? value : anything_in({0, most});
-}
-
-namespace {
 
 /// A part of the patch and the bound over it.
 struct Part {
@@ -139,11 +65,54 @@ double screen_gap(double low_f, double high_f, double low_g, double high_g, doub
   return std::min(1.0, std::max(0.0, screen(f) - screen(g)) + jump + 1e-15);
 }
 
+}  // namespace
+}  // namespace lambake
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace lambake::HWY_NAMESPACE {
+namespace {
+
+/// What the lights give over a part of the patch.
+struct LightSum {
+  std::array<Enclosure, 3> channels{};  ///< In the order of Bounder's.
+  bool is_bounded = true;
+  double worst_kink = 0;
+  std::uint32_t kink_light = no_light;
+};
+
+/// At least the longest normal.
+inline double longest_of(const Enclosure& length_squared) {
+  return std::sqrt(most(length_squared.linear[0], length_squared.linear[1], length_squared.linear[2])) *
+         (1 + 1e-12);
+}
+
+/// Adds one function after the other.
+HWY_INLINE void add_lanes(const EnclosureOf<Lanes>& e, Enclosure& sum) {
+  HWY_ALIGN double values[8][n_lanes];
+  const LaneTag d;
+  for (std::size_t k = 0; k < 3; ++k) {
+    hn::Store(e.linear[k].v, d, values[k]);
+    hn::Store(e.quadratic[k].v, d, values[3 + k]);
+  }
+  hn::Store(e.low.v, d, values[6]), hn::Store(e.high.v, d, values[7]);
+  for (std::size_t i = 0; i < n_lanes; ++i)
+    sum = sum + Enclosure{{values[0][i], values[1][i], values[2][i]},
+                          {values[3][i], values[4][i], values[5][i]},
+                          values[6][i],
+                          values[7][i]};
+}
+
 class Bounder {
  public:
   Bounder(const Patch& patch, const FinishRange& finish, std::span<const Light> all,
           std::span<const std::uint32_t> lights, const BoundOptions& options)
-      : patch_(patch), finish_(finish), all_(all), lights_(lights), options_(options) {
+      : patch_(patch),
+        finish_(finish),
+        all_(all),
+        lights_(lights),
+        blocks_(light_blocks(all, lights)),
+        options_(options) {
     const glm::dmat3& a = patch.albedos;
     has_albedo_ = a[0] != a[1] || a[1] != a[2];
     for (int c = 0; c < 3; ++c) {
@@ -235,46 +204,66 @@ class Bounder {
     }
   }
 
+  /// The sum of the lights over a part of the patch: ‖N‖ times what it receives, with `has_normal`.
+  LightSum sum_over(const Patch& patch, bool has_normal, double longest) const {
+    const Corners<Lanes> n = corners_of<Lanes>(patch.normals), p = corners_of<Lanes>(patch.positions);
+    constexpr std::size_t size = LightBlock::size;
+    std::array<EnclosureOf<Lanes>, 3> sums[size / n_lanes] = {};
+    HWY_ALIGN double kinks[size];
+    LightSum result;
+    for (const LightBlock& block : blocks_) {
+      for (std::size_t i = 0; i < size / n_lanes; ++i) {
+        const std::size_t first = i * n_lanes;
+        const EnclosureOf<Lanes> r =
+            received_over(block.kind, load_lights(block, first), n, p, has_normal, longest);
+        result.is_bounded = result.is_bounded && all(r.high < Lanes(infinity));
+        for (int k = 0; k < n_channels_; ++k) {
+          EnclosureOf<Lanes>& sum = sums[i][static_cast<std::size_t>(k)];
+          sum = sum + scaled(load(block.intensity[channels_[k]] + first), r);
+        }
+        hn::Store((-r.low * load(block.brightest + first)).v, LaneTag(), kinks + first);
+      }
+      if (!result.is_bounded) return result;
+      for (std::size_t i = 0; i < block.n; ++i)
+        if (kinks[i] > result.worst_kink && is_crossed(all_[block.lights[i]], patch))
+          result.worst_kink = kinks[i], result.kink_light = block.lights[i];
+    }
+    for (int k = 0; k < n_channels_; ++k)
+      for (std::size_t i = 0; i < size / n_lanes; ++i)
+        add_lanes(sums[i][static_cast<std::size_t>(k)], result.channels[static_cast<std::size_t>(k)]);
+    return result;
+  }
+
   Part make_part(const glm::dmat3& corners) const {
     const Patch patch = part_of(patch_, corners);
     Part part{corners, 0, 0, no_light};
     std::array<Enclosure, 3> light{};
     if (finish_.is_unlit) {
-      light.fill(linear(1, 1, 1));
+      light.fill(linear(1.0, 1.0, 1.0));
     } else {
-      const Enclosure length_squared = dot(patch.normals, patch.normals);
-      const bool has_normal = is_positive(length_squared);
-      const double longest = has_normal
-                                 ? std::sqrt(std::max({length_squared.linear[0], length_squared.linear[1],
-                                                       length_squared.linear[2]})) *
-                                       (1 + 1e-12)
-                                 : 1;
-      double worst_kink = 0;
-      for (const std::uint32_t i : lights_) {
-        const Enclosure r = received_over(all_[i], patch, has_normal, longest);
-        if (!(r.high < infinity)) {
-          part.bound = infinity;
-          part.longest_side = longest_side(patch);
-          return part;
-        }
-        const glm::vec3 intensity(all_[i].intensity.r, all_[i].intensity.g, all_[i].intensity.b);
-        for (int k = 0; k < n_channels_; ++k) {
-          Enclosure& sum = light[static_cast<std::size_t>(channels_[k])];
-          sum = sum + intensity[channels_[k]] * r;
-        }
-        const double kink = -r.low * std::max({intensity.r, intensity.g, intensity.b});
-        if (kink > worst_kink && is_crossed(all_[i], patch)) worst_kink = kink, part.kink_light = i;
+      const Corners<double> normals = corners_of<double>(patch.normals);
+      const Enclosure length_squared = dot(normals, normals);
+      const bool has_normal = is_positive(length_squared, range(length_squared));
+      const double longest = has_normal ? longest_of(length_squared) : 1;
+      const LightSum sum = sum_over(patch, has_normal, longest);
+      if (!sum.is_bounded) {
+        part.bound = infinity;
+        part.longest_side = longest_side(patch);
+        return part;
       }
+      for (int k = 0; k < n_channels_; ++k)
+        light[static_cast<std::size_t>(channels_[k])] = sum.channels[static_cast<std::size_t>(k)];
+      part.kink_light = sum.kink_light;
       if (has_normal) {
         const Enclosure inverse_length = power(length_squared, -0.5);
         for (int k = 0; k < n_channels_; ++k) {
-          Enclosure& sum = light[static_cast<std::size_t>(channels_[k])];
-          sum = sum * inverse_length;
+          Enclosure& e = light[static_cast<std::size_t>(channels_[k])];
+          e = e * inverse_length;
         }
       }
       double widest = 0;
       for (const Enclosure& e : light) widest = std::max(widest, e.high - e.low);
-      if (worst_kink < 0.3 * widest) part.kink_light = no_light;
+      if (sum.worst_kink < 0.3 * widest) part.kink_light = no_light;
     }
     std::array<double, 3> variation{};
     double widest_rest = 0;
@@ -285,7 +274,7 @@ class Bounder {
       if (has_albedo_) {
         f = linear(a[0][c], a[1][c], a[2][c]) * f;
       } else {
-        f = a[0][c] * f;
+        f = scaled(a[0][c], f);
       }
       Enclosure e = f;
       for (std::size_t k = 0; k < 3; ++k) e.linear[k] -= patch.colors[static_cast<int>(k)][c];
@@ -387,17 +376,55 @@ class Bounder {
   const FinishRange& finish_;
   std::span<const Light> all_;
   std::span<const std::uint32_t> lights_;
+  std::vector<LightBlock> blocks_;
   const BoundOptions& options_;
   bool has_albedo_ = false;
   int channels_[3] = {}, n_channels_ = 0;  ///< Those that differ from each other.
   PatchBound result_;
 };
 
+Enclosure light_over_of(const Light& light, const Patch& patch) {
+  const std::uint32_t index = 0;
+  const LightBlock block = light_blocks({&light, 1}, {&index, 1}).front();
+  const Corners<double> normals = corners_of<double>(patch.normals);
+  const Enclosure length_squared = dot(normals, normals);
+  const bool has_normal = is_positive(length_squared, range(length_squared));
+  const double longest = has_normal ? longest_of(length_squared) : 1;
+  const EnclosureOf<Lanes> r =
+      received_over(block.kind, load_lights(block, 0), corners_of<Lanes>(patch.normals),
+                    corners_of<Lanes>(patch.positions), has_normal, longest);
+  const auto first = [](const Lanes& lanes) HWY_ATTR { return hn::GetLane(lanes.v); };
+  const Enclosure received{{first(r.linear[0]), first(r.linear[1]), first(r.linear[2])},
+                           {first(r.quadratic[0]), first(r.quadratic[1]), first(r.quadratic[2])},
+                           first(r.low),
+                           first(r.high)};
+  return has_normal ? received * power(length_squared, -0.5) : received;
+}
+
+PatchBound bound_of(const Patch& patch, const FinishRange& finish, std::span<const Light> all,
+                    std::span<const std::uint32_t> lights, const BoundOptions& options) {
+  return Bounder(patch, finish, all, lights, options).run();
+}
+
+}  // namespace
+}  // namespace lambake::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace lambake {
+namespace {
+HWY_EXPORT(bound_of);
+HWY_EXPORT(light_over_of);
 }  // namespace
 
 PatchBound bound_patch(const Patch& patch, const FinishRange& finish, std::span<const Light> all,
                        std::span<const std::uint32_t> lights, const BoundOptions& options) {
-  return Bounder(patch, finish, all, lights, options).run();
+  return HWY_DYNAMIC_DISPATCH(bound_of)(patch, finish, all, lights, options);
+}
+
+Enclosure light_over(const Light& light, const Patch& patch) {
+  return HWY_DYNAMIC_DISPATCH(light_over_of)(light, patch);
 }
 
 }  // namespace lambake
+#endif  // HWY_ONCE

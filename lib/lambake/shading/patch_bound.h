@@ -33,9 +33,8 @@ struct PatchBound {
 PatchBound bound_patch(const Patch& patch, const FinishRange& finish, std::span<const Light> all,
                        std::span<const std::uint32_t> lights, const BoundOptions& options);
 
-/// Encloses max(0, N·ω)·f(d) of one light over a patch: ‖N‖ times what it receives, or with `has_normal`
-/// false just what it receives. Infinite where it has no bound.
-/// @param longest  at least the longest normal of the patch; 1 with `has_normal` false.
-Enclosure received_over(const Light& light, const Patch& patch, bool has_normal, double longest);
+/// Encloses max(0, N·ω)/‖N‖ · f(d), what a surface receives of one light, over a patch. Infinite where it has
+/// no bound.
+Enclosure light_over(const Light& light, const Patch& patch);
 
 }  // namespace lambake
