@@ -60,27 +60,27 @@ int bake_and_write(const BakeCommand& command) {
                                {"findings", findings_json(written.findings)}});
     if (!command.scene.json && !command.scene.quiet) {
       console.clear_bar();
-      fmt::print("{}: {} {}, {} {}, {} bytes\n", path, group_digits(mesh.n_vertices()),
-                 in_number(mesh.n_vertices(), "vert[ex|ices]"), group_digits(mesh.n_triangles()),
-                 in_number(mesh.n_triangles(), "triangle[|s]"),
-                 group_digits(std::filesystem::file_size(path)));
+      print_result("{}: {} {}, {} {}, {} bytes\n", path, group_digits(mesh.n_vertices()),
+                   in_number(mesh.n_vertices(), "vert[ex|ices]"), group_digits(mesh.n_triangles()),
+                   in_number(mesh.n_triangles(), "triangle[|s]"),
+                   group_digits(std::filesystem::file_size(path)));
     }
   }
   stopwatch.lap("write");
   console.clear_bar();
   if (!command.scene.json && !command.scene.quiet) {
-    if (result.selection) fmt::print("{}\n", result.selection->sentence);
+    if (result.selection) print_result("{}\n", result.selection->sentence);
     if (const std::optional<Certificate>& c = baked.certificate; c && !result.selection)
-      fmt::print("{}{}: {} from per-pixel lighting anywhere\n",
-                 command.outputs.size() > 1 ? command.outputs.front() + ", " : "",
-                 c->is_certified ? "certified" : "not certified",
-                 std::isfinite(c->max_bound)
-                     ? fmt::format("at most {}/255", upper_bound_text(c->max_bound * 255))
-                     : "no bound to how far it is");
+      print_result("{}{}: {} from per-pixel lighting anywhere\n",
+                   command.outputs.size() > 1 ? command.outputs.front() + ", " : "",
+                   c->is_certified ? "certified" : "not certified",
+                   std::isfinite(c->max_bound)
+                       ? fmt::format("at most {}/255", upper_bound_text(c->max_bound * 255))
+                       : "no bound to how far it is");
   }
   json["findings"] = findings_json(findings);
   json["seconds"] = seconds_json(stopwatch);
-  if (command.scene.json) fmt::print("{}\n", json_text(json));
+  if (command.scene.json) print_result("{}\n", json_text(json));
   return 0;
 }
 

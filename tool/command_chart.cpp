@@ -60,14 +60,14 @@ int chart_and_write(const ChartCommand& command, const std::string& command_line
   folder.commit();
 
   if (command.scene.json) {
-    fmt::print("{}", chart_json(run));
+    print_result("{}", chart_json(run));
   } else if (!command.scene.quiet) {
-    fmt::print("{:<28} {:>12} {:>12} {:>10} {:>10}\n", "method", "seconds", "vertices", "rmse/255",
-               "max/255");
+    print_result("{:<28} {:>12} {:>12} {:>10} {:>10}\n", "method", "seconds", "vertices", "rmse/255",
+                 "max/255");
     for (const MethodRun& m : run.methods)
-      fmt::print("{:<28} {:>12.3g} {:>12} {:>10.3f} {:>10.3f}\n", m.label(), m.all_threads.median,
-                 group_digits(m.n_vertices), m.rmse * 255, round_up(m.max_bound * 255, 3));
-    fmt::print("{}\n", (std::filesystem::path(command.folder) / "index.html").string());
+      print_result("{:<28} {:>12.3g} {:>12} {:>10.3f} {:>10.3f}\n", m.label(), m.all_threads.median,
+                   group_digits(m.n_vertices), m.rmse * 255, round_up(m.max_bound * 255, 3));
+    print_result("{}\n", (std::filesystem::path(command.folder) / "index.html").string());
   }
   return 0;
 }

@@ -119,7 +119,7 @@ int check_thresholds(const std::vector<Threshold>& thresholds, const nlohmann::o
     if (value == nullptr) fail_without(threshold.metric);
     const double found = value->is_null() ? INFINITY : value->get<double>();  // JSON has no infinity: null.
     if (!(found > threshold.value)) continue;
-    fmt::print(stderr, "lambake: {} is {}, above {}\n", threshold.metric, found, threshold.value);
+    print_error(fmt::format("lambake: {} is {}, above {}\n", threshold.metric, found, threshold.value));
     exit_code = 1;
   }
   return exit_code;
@@ -232,19 +232,19 @@ int compare_and_write(const CompareCommand& command, const std::string& command_
 
   console.clear_bar();
   if (command.scene.json) {
-    fmt::print("{}\n", report);
+    print_result("{}\n", report);
   } else if (!command.scene.quiet) {
     const ImageError& image = comparison.image_display;
     const SurfaceError& surface = comparison.surface_display;
-    fmt::print("per vertex against per pixel, on screen, in steps of 1/255\n");
-    fmt::print("  picture   rmse {:.3f}  max {:.1f}  {} of {} pixels off by more than one step\n",
-               image.rmse * 255, image.max * 255, group_digits(image.pixels_over_1_255),
-               group_digits(image.pixels));
+    print_result("per vertex against per pixel, on screen, in steps of 1/255\n");
+    print_result("  picture   rmse {:.3f}  max {:.1f}  {} of {} pixels off by more than one step\n",
+                 image.rmse * 255, image.max * 255, group_digits(image.pixels_over_1_255),
+                 group_digits(image.pixels));
     const double bound = *comparison.max_bound_display;
-    fmt::print(
+    print_result(
         "  surface   rmse {:.3f}  max {:.1f} found, {}\n", surface.rmse * 255, surface.max_sampled * 255,
         std::isfinite(bound) ? fmt::format("{:.1f} certified", round_up(bound * 255, 1)) : "none certified");
-    fmt::print("{}\n", (std::filesystem::path(command.folder) / "index.html").string());
+    print_result("{}\n", (std::filesystem::path(command.folder) / "index.html").string());
   }
   return check_thresholds(thresholds, nlohmann::ordered_json::parse(report));
 }

@@ -83,22 +83,22 @@ void print_for_people(const nlohmann::ordered_json& json) {
   for (const auto& [key, value] : json.items()) {
     if (key == "findings") {
       for (const auto& finding : value)
-        fmt::print("{:<22} {} {}\n", "noticed", group_digits(finding["count"].get<std::size_t>()),
-                   finding["text"].get<std::string>());
+        print_result("{:<22} {} {}\n", "noticed", group_digits(finding["count"].get<std::size_t>()),
+                     finding["text"].get<std::string>());
       continue;
     }
     std::string label = key;
     std::replace(label.begin(), label.end(), '_', ' ');
     if (value.is_array() && !value.empty() && value[0].is_object()) {
-      for (const auto& entry : value) fmt::print("{:<22} {}\n", label, entry.dump());
+      for (const auto& entry : value) print_result("{:<22} {}\n", label, entry.dump());
     } else if (value.is_array() && value.empty()) {
-      fmt::print("{:<22} none\n", label);
+      print_result("{:<22} none\n", label);
     } else if (value.is_number_unsigned()) {
-      fmt::print("{:<22} {}\n", label, group_digits(value.get<std::size_t>()));
+      print_result("{:<22} {}\n", label, group_digits(value.get<std::size_t>()));
     } else if (value.is_boolean()) {
-      fmt::print("{:<22} {}\n", label, value.get<bool>() ? "yes" : "no");
+      print_result("{:<22} {}\n", label, value.get<bool>() ? "yes" : "no");
     } else {
-      fmt::print("{:<22} {}\n", label, value.is_string() ? value.get<std::string>() : value.dump());
+      print_result("{:<22} {}\n", label, value.is_string() ? value.get<std::string>() : value.dump());
     }
   }
 }
@@ -117,7 +117,7 @@ void add_info_command(CLI::App& app, Run& run) {
       const SceneFile file = read_scene_file(command->input, {.gltf_scene = command->gltf_scene});
       const nlohmann::ordered_json json = describe(file);
       if (command->json) {
-        fmt::print("{}\n", json_text(json));
+        print_result("{}\n", json_text(json));
       } else {
         print_for_people(json);
       }

@@ -45,7 +45,7 @@ int render_and_write(const RenderCommand& command) {
   console.clear_bar();
   for (const std::string& path : command.outputs) {
     write_picture(path, picture);
-    if (!command.scene.json && !command.scene.quiet) fmt::print("{}: {}x{} pixels\n", path, size.x, size.y);
+    if (!command.scene.json && !command.scene.quiet) print_result("{}: {}x{} pixels\n", path, size.x, size.y);
   }
   stopwatch.lap("write");
   if (command.scene.json) {
@@ -61,7 +61,7 @@ int render_and_write(const RenderCommand& command) {
     json["outputs"] = command.outputs;
     json["findings"] = findings_json(loaded.file.findings);
     json["seconds"] = seconds_json(stopwatch);
-    fmt::print("{}\n", json_text(json));
+    print_result("{}\n", json_text(json));
   }
   return 0;
 }

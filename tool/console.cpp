@@ -4,7 +4,11 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
+
+#include "lambake/core/error.h"
 
 namespace lambake::tool {
 
@@ -15,6 +19,26 @@ std::string on_one_line(const std::string& text) {
     line += byte < 0x20 || byte == 0x7F ? fmt::format("\\x{:02X}", byte) : std::string(1, c);
   }
   return line;
+}
+
+void print_error(const std::string& text) {
+  std::fputs(text.c_str(), stderr);
+}
+
+namespace {
+
+[[noreturn]] void throw_lost_result() {
+  throw IoError("standard output", std::string("cannot be written: ") + std::strerror(errno));
+}
+
+}  // namespace
+
+void write_result(const std::string& text) {
+  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size()) throw_lost_result();
+}
+
+void flush_results() {
+  if (std::fflush(stdout) != 0) throw_lost_result();
 }
 
 Console::Console(bool is_quiet) : is_quiet_(is_quiet) {
@@ -34,7 +58,7 @@ void Console::note(const std::string& text) {
   if (is_quiet_) return;
   const std::lock_guard lock(mutex_);
   remove_bar();
-  fmt::print(stderr, "lambake: {}\n", on_one_line(text));
+  print_error(fmt::format("lambake: {}\n", on_one_line(text)));
 }
 
 void Console::tell(const Findings& findings) {
@@ -68,12 +92,12 @@ void Console::draw_bar() {
   constexpr int width = 30;
   if (fraction_ < 0) {  // Not known: a mark that moves.
     const int at = static_cast<int>(seconds * 10) % width;
-    fmt::print(stderr, "\r\x1b[K{:<20} [{:>{}}{:<{}}] {:.0f} s", stage_, '#', at + 1, "", width - at - 1,
-               seconds);
+    print_error(fmt::format("\r\x1b[K{:<20} [{:>{}}{:<{}}] {:.0f} s", stage_, '#', at + 1, "", width - at - 1,
+                            seconds));
   } else {
     const int filled = std::clamp(static_cast<int>(fraction_ * width), 0, width);
-    fmt::print(stderr, "\r\x1b[K{:<20} [{:#<{}}{:<{}}] {:3.0f} %", stage_, "", filled, "", width - filled,
-               100 * fraction_);
+    print_error(fmt::format("\r\x1b[K{:<20} [{:#<{}}{:<{}}] {:3.0f} %", stage_, "", filled, "",
+                            width - filled, 100 * fraction_));
   }
   std::fflush(stderr);
   has_bar_ = true;
@@ -81,7 +105,7 @@ void Console::draw_bar() {
 
 void Console::remove_bar() {
   if (!has_bar_) return;
-  fmt::print(stderr, "\r\x1b[K");
+  print_error("\r\x1b[K");
   std::fflush(stderr);
   has_bar_ = false;
 }

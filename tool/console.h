@@ -1,5 +1,7 @@
 #pragma once
 
+#include <fmt/format.h>
+
 #include <chrono>
 #include <cstddef>
 #include <mutex>
@@ -16,6 +18,20 @@ namespace lambake::tool {
 
 /// Text on one line, whatever names of files and materials hold: control characters as \xNN.
 std::string on_one_line(const std::string& text);
+
+/// Writes to standard error. What is lost there is lost: nowhere is left to tell it.
+void print_error(const std::string& text);
+
+/// Writes to standard output. @throws IoError.
+void write_result(const std::string& text);
+
+template <typename... Values>
+void print_result(fmt::format_string<Values...> format, Values&&... values) {
+  write_result(fmt::format(format, std::forward<Values>(values)...));
+}
+
+/// Writes what standard output holds back. @throws IoError.
+void flush_results();
 
 /// What the tool says to people, all of it on standard error; standard output is for results.
 class Console {

@@ -4,14 +4,11 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cerrno>
 #include <cstdio>
-#include <cstring>
 #include <exception>
 #include <filesystem>
 #include <new>
 #include <string>
-#include <system_error>
 #include <vector>
 
 #include "commands.h"
@@ -64,7 +61,7 @@ int main(int argc, char** argv) {
   lambake::tool::add_info_command(app, run);
 
   const auto fail = [](const std::string& message, int exit_code) {
-    fmt::print(stderr, "lambake: {}\n", lambake::tool::on_one_line(message));
+    lambake::tool::print_error(fmt::format("lambake: {}\n", lambake::tool::on_one_line(message)));
     return exit_code;
   };
   try {
@@ -85,15 +82,12 @@ int main(int argc, char** argv) {
   }
   try {
     const int exit_code = run(quoted_command_line(argc, argv));
-    if (std::fflush(stdout) != 0)
-      throw lambake::IoError("standard output", std::string("cannot be written: ") + std::strerror(errno));
+    lambake::tool::flush_results();
     return exit_code;
   } catch (const lambake::Error& error) {
     return fail(error.what(), error.exit_code());
   } catch (const std::filesystem::filesystem_error& error) {
     return fail(error.what(), 3);
-  } catch (const std::system_error& error) {  // fmt's, of a standard stream
-    return fail(fmt::format("standard output: cannot be written: {}", error.what()), 3);
   } catch (const std::bad_alloc&) {
     return fail("not enough memory for this scene", 4);
   } catch (const std::exception& error) {

@@ -227,6 +227,10 @@ TEST(CommandLine, ClosedAndFullStreams_AreNoFaultOfOurs) {
   EXPECT_EQ(exit_code("info in.off >&- 2>&-"), 0);
   EXPECT_EQ(exit_code("info in.off --json >/dev/full"), 3);
   EXPECT_EQ(exit_code("bake in.off -o b.glb --json >/dev/full"), 3);
+  EXPECT_EQ(exit_code("bake in.off -o c.glb 2>/dev/full"), 0);  // With a note: no light given.
+  EXPECT_EQ(exit_code("info none.off 2>/dev/full"), 3);
+  EXPECT_EQ(exit_code("bake in.off -o d.glb --none 2>/dev/full"), 2);
+  EXPECT_EQ(exit_code("compare in.off -o e --fail-above max=0 2>/dev/full"), 1);
 }
 
 TEST(CommandLine, GltfInTheWayOfItsSourcesBuffer_IsRefused) {

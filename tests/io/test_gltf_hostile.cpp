@@ -330,6 +330,21 @@ TEST(HostileGltf, EachMemberOfAnotherType_IsRefusedByItsPlace) {
     }
 }
 
+// tinygltf finds the buffers, which are in memory, under names of ours.
+TEST(HostileGltf, ImagesWithTheNamesOfBuffers_AreFilesLikeOthers) {
+  for (const char* name :
+       {"lambake-buffer-0", "lambake-buffer-7", "lambake-buffer-100000000", "lambake-buffer-",
+        "lambake-buffer-x", "lambake-buffer-0x", "lambake-buffer-99999999999999999999999"}) {
+    ordered_json json = triangle();
+    json["images"] = {{{"uri", name}}};
+    json["textures"] = {{{"source", 0}}};
+    json["materials"] = {{{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}}};
+    json["meshes"][0]["primitives"][0]["material"] = 0;
+    const auto [message, exit_code] = outcome_of(json.dump());
+    EXPECT_NE(exit_code, 5) << name << ": " << message;
+  }
+}
+
 TEST(HostileGltf, NanInAMatrix_IsNoJson) {
   std::string text = triangle().dump();
   text.replace(text.find("\"mesh\":0"), 8, "\"mesh\":0,\"translation\":[NaN,0,0]");

@@ -152,6 +152,16 @@ TEST_F(LightFile, WhatIsNoLightsFile_IsRefused) {
   EXPECT_EQ(refusal("").rfind("expected content", 0), 0U);
 }
 
+TEST_F(LightFile, ValuesOfAnySize_AreToldInAShortLine) {
+  const std::string deep(200'000, '['), closed(200'000, ']'), wide(1'000'000, 'x');
+  EXPECT_EQ(refusal(R"({"lights": [{"type": )" + deep + closed + "}]}"),
+            "expected JSON nested at most 256 levels deep");
+  for (const std::string& text : {R"({"lights": [{"type": ")" + wide + "\"}]}",
+                                  R"({"lights": [{"type": "point", ")" + wide + "\": 1}]}",
+                                  R"({"lights": [], ")" + wide + "\": 1}", R"({"lights": [)" + wide})
+    EXPECT_LT(refusal(text).size(), 500U);
+}
+
 TEST_F(LightFile, EveryTruncatedPrefix_IsRefused) {
   const std::string whole = R"({"lights": [{"type": "point", "position": [1, 2, 3]}]})";
   ASSERT_EQ(refusal(whole), "accepted");

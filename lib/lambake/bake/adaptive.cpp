@@ -235,19 +235,15 @@ class AdaptiveBake {
 
   /// What is certified is what is stored. @returns how many triangles come to be above the tolerance by that.
   std::size_t take_stored_colors() {
-    std::vector<std::uint32_t> spoilt;
-    for (std::uint32_t f = 0; f < cut_.mesh().n_triangles(); ++f) {
-      const glm::uvec3& t = cut_.mesh().triangles[f];
-      if (colors_.is_spoilt(t[0]) || colors_.is_spoilt(t[1]) || colors_.is_spoilt(t[2])) spoilt.push_back(f);
-    }
-    const auto count_open = [&] {
-      return static_cast<std::size_t>(std::count_if(
-          spoilt.begin(), spoilt.end(), [&](std::uint32_t f) { return bounds_[f] > options_.tolerance; }));
-    };
-    const std::size_t n_before = count_open();
+    std::vector<char> is_spoilt(cut_.mesh().n_vertices());
+    for (std::uint32_t v = 0; v < is_spoilt.size(); ++v) is_spoilt[v] = colors_.is_spoilt(v);
+    const std::vector<std::uint32_t> spoilt = triangles_with(is_spoilt);
+    const std::vector<double> before = bounds_;
     colors_.take_stored();
     bound(spoilt, options_.tolerance);
-    return count_open() - n_before;
+    return static_cast<std::size_t>(std::count_if(spoilt.begin(), spoilt.end(), [&](std::uint32_t f) {
+      return before[f] <= options_.tolerance && bounds_[f] > options_.tolerance;
+    }));
   }
 
   std::size_t n_moved() const {

@@ -145,4 +145,11 @@ BakedColors bake(const Scene& scene, const BakeOptions& options) {
   return baked;
 }
 
+void check_colors(const Scene& scene, const BakedColors& baked, const char* who) {
+  const std::size_t expected = mesh_of(scene, baked).n_vertices();
+  if (baked.colors.size() != expected)
+    throw InvalidScene(
+        fmt::format("{}: expected {} vertex colours, found {}", who, expected, baked.colors.size()));
+}
+
 }  // namespace lambake

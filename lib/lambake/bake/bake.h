@@ -83,4 +83,8 @@ inline const Mesh& mesh_of(const Scene& scene, const BakedColors& baked) {
   return baked.mesh ? *baked.mesh : scene.mesh;
 }
 
+/// @throws InvalidScene if `baked` does not have a colour for each vertex of its mesh. @param who  of the
+/// message.
+void check_colors(const Scene& scene, const BakedColors& baked, const char* who);
+
 }  // namespace lambake

@@ -16,4 +16,7 @@ struct WrittenColors {
   Findings findings;
 };
 
+/// Tells of vertices whose colours the storage could not hold: above 1 and below 0.
+void tell_storage(Findings& findings, std::size_t clipped, std::size_t negative);
+
 }  // namespace lambake

@@ -2,9 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <string_view>
+#include <system_error>
+#include <utility>
 
 #include "lambake/core/error.h"
 #include "lambake/io/gltf_accessor.h"
@@ -16,15 +19,19 @@ namespace {
 
 constexpr std::string_view buffer_prefix = "lambake-buffer-";
 
-/// What tinygltf reads from: the buffers that are in memory by made-up names, and images beside the file.
+/// What tinygltf reads from: the buffers that are in memory by made-up names, each of them once, and images
+/// beside the file, which may have any name.
 struct Files {
-  std::string path;
-  std::vector<std::vector<unsigned char>> buffers;
+  std::vector<std::vector<unsigned char>> buffers;  ///< Empty once they are read.
 
   std::vector<unsigned char>* buffer(const std::string& name) {
     const std::string file = std::filesystem::path(name).filename().string();
     if (!file.starts_with(buffer_prefix)) return nullptr;
-    return &buffers[std::stoul(file.substr(buffer_prefix.size()))];
+    std::size_t i = 0;
+    const char* end = file.data() + file.size();
+    const auto [stop, error] = std::from_chars(file.data() + buffer_prefix.size(), end, i);
+    return error == std::errc() && stop == end && i < buffers.size() && !buffers[i].empty() ? &buffers[i]
+                                                                                            : nullptr;
   }
 };
 
@@ -37,7 +44,7 @@ bool file_exists(const std::string& name, void* user) {
 bool read_whole_file(std::vector<unsigned char>* bytes, std::string* error, const std::string& name,
                      void* user) {
   if (std::vector<unsigned char>* buffer = static_cast<Files*>(user)->buffer(name)) {
-    *bytes = std::move(*buffer);
+    *bytes = std::exchange(*buffer, {});
     return true;
   }
   return tinygltf::ReadWholeFile(bytes, error, name, nullptr);
@@ -74,12 +81,12 @@ void prepare(GltfJson& plain, std::vector<std::vector<unsigned char>>& buffers) 
 
 tinygltf::Model parse_model(const std::string& path, const GltfJson& plain,
                             std::vector<std::vector<unsigned char>> buffers) {
-  Files files{path, std::move(buffers)};
+  Files files{std::move(buffers)};
   tinygltf::TinyGLTF loader;
   loader.SetFsCallbacks({file_exists, same_path, read_whole_file, nullptr, &files});
   loader.SetImageLoader(keep_image, nullptr);
   const std::string text = plain.dump();
-  const std::string folder = std::filesystem::absolute(path).parent_path().string();
+  const std::string folder = std::filesystem::path(path).parent_path().string();
   tinygltf::Model model;
   std::string error, warning;
   bool is_loaded = false;

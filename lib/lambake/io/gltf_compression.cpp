@@ -10,6 +10,7 @@
 #include <memory>
 
 #include "lambake/core/error.h"
+#include "lambake/io/json_text.h"
 
 namespace lambake {
 namespace {
@@ -138,7 +139,7 @@ class Decompressor {
 
   GltfJson& accessor_at(const GltfJson& index) {
     if (index.get<std::size_t>() >= member(plain_, "accessors").size())
-      fail("expected an accessor that there is, found " + index.dump());
+      fail("expected an accessor that there is, found " + shown(index));
     return plain_["accessors"][index.get<std::size_t>()];
   }
 
@@ -157,7 +158,7 @@ class Decompressor {
       case gltf::float_:
         return convert<float>(mesh, attribute, accessor);
       default:
-        fail("expected a componentType of glTF, found " + member(accessor, "componentType").dump());
+        fail("expected a componentType of glTF, found " + shown(member(accessor, "componentType")));
     }
   }
 

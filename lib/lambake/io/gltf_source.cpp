@@ -12,11 +12,10 @@
 #include "lambake/core/error.h"
 #include "lambake/io/gltf_types.h"
 #include "lambake/io/input_file.h"
+#include "lambake/io/json_text.h"
 
 namespace lambake {
 namespace {
-
-constexpr int deepest_json = 256;  // tinygltf walks extras by recursion.
 
 constexpr std::array<std::string_view, 19> known_extensions{
     "EXT_meshopt_compression",
@@ -91,53 +90,29 @@ GlbChunks split_glb(const std::vector<unsigned char>& bytes, const std::string& 
   return chunks;
 }
 
-/// How deep arrays and objects of JSON text lie in each other. Before it is parsed: the parser itself tells
-/// depths only at the price of quadratic time.
-int depth_of(std::span<const unsigned char> text) {
-  int depth = 0, deepest = 0;
-  bool is_string = false;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const unsigned char c = text[i];
-    if (is_string && c == '\\') {
-      ++i;
-    } else if (c == '"') {
-      is_string = !is_string;
-    } else if (!is_string) {
-      depth += (c == '[' || c == '{') - (c == ']' || c == '}');
-      deepest = std::max(deepest, depth);
-    }
-  }
-  return deepest;
-}
-
 GltfJson parse_json(std::span<const unsigned char> text, const std::string& path) {
-  if (depth_of(text) > deepest_json)
-    throw IoError(path, fmt::format("expected JSON nested at most {} levels deep", deepest_json));
+  check_depth(path, {reinterpret_cast<const char*>(text.data()), text.size()});
   try {
     return GltfJson::parse(text.begin(), text.end());
   } catch (const GltfJson::exception& error) {
-    // What it found may be a megabyte of data.
-    constexpr std::size_t longest = 300;
-    std::string reason = error.what();
-    if (reason.size() > longest) reason = reason.substr(0, longest) + "…";
-    throw IoError(path, "expected JSON: " + reason);
+    throw_no_json(path, error.what());
   }
 }
 
 void check_asset(const GltfSource& source) {
   const GltfJson& version = member(member(source.json, "asset"), "version");
   if (!version.is_string())
-    throw IoError(source.path, "asset.version: expected \"2.0\", found " + version.dump());
+    throw IoError(source.path, "asset.version: expected \"2.0\", found " + shown(version));
   const std::string text = version;
   if (text.substr(0, 2) != "2.")
     throw IoError(source.path, fmt::format("asset.version: expected \"2.0\", found \"{}\"", text));
   const GltfJson& least = member(member(source.json, "asset"), "minVersion");
   if (least.is_string() && least != "2.0")
-    throw IoError(source.path, "asset.minVersion: expected \"2.0\", found " + least.dump());
+    throw IoError(source.path, "asset.minVersion: expected \"2.0\", found " + shown(least));
   for (const GltfJson& name : member(source.json, "extensionsRequired"))
     if (!is_known_extension(name.get<std::string>()))
       throw IoError(source.path,
-                    fmt::format("the file requires the extension {}, which is not known", name.dump()));
+                    fmt::format("the file requires the extension {}, which is not known", shown(name)));
 }
 
 std::vector<unsigned char> read_buffer(const GltfSource& source, std::size_t index,

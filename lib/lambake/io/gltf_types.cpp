@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "lambake/core/error.h"
+#include "lambake/io/json_text.h"
 
 namespace lambake {
 namespace {
@@ -187,10 +188,7 @@ class TypeCheck {
         where += fmt::format("{}{}", where.empty() ? "" : ".", *key);
       else
         where += fmt::format("[{}]", std::get<std::size_t>(step));
-    constexpr std::size_t longest = 60;
-    std::string text = found.dump(-1, ' ', true);  // In ASCII, which may be cut anywhere.
-    if (text.size() > longest) text = text.substr(0, longest) + "…";
-    throw IoError(path_, fmt::format("{}: expected {}, found {}", where, expected, text));
+    throw IoError(path_, fmt::format("{}: expected {}, found {}", where, expected, shown(found)));
   }
 
   const std::string& path_;

@@ -4,14 +4,6 @@
 
 namespace lambake {
 
-void tell_storage(Findings& findings, std::size_t clipped, std::size_t negative) {
-  add_finding(findings, "clipped_vertices", clipped,
-              "vert[ex is|ices are] brighter than a vertex colour can hold; clipped to 1 (a lower exposure "
-              "avoids it)");
-  add_finding(findings, "negative_vertices", negative,
-              "vert[ex has|ices have] a colour below 0; stored as 0");
-}
-
 void check_gltf_write_options(const GltfWriteOptions& options) {
   if (options.attribute != "COLOR_0" && !options.attribute.starts_with("_"))
     throw InvalidOption("attribute: expected COLOR_0 or a name that begins with _, found " +

@@ -25,7 +25,4 @@ inline bool has_texture(const Material& material) {
   return material.base_color_texture != no_texture || material.emission_texture != no_texture;
 }
 
-/// Findings about what the storage of the colours could not hold.
-void tell_storage(Findings& findings, std::size_t clipped, std::size_t negative);
-
 }  // namespace lambake

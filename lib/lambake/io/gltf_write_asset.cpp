@@ -83,9 +83,7 @@ class AssetWriter {
   AssetWriter(const GltfAsset& asset, const Scene& scene, const BakedColors& baked,
               const GltfWriteOptions& options)
       : asset_(asset), scene_(scene), mesh_(mesh_of(scene, baked)), baked_(baked), options_(options) {
-    if (baked.colors.size() != mesh_.n_vertices())
-      throw InvalidScene(fmt::format("glTF writing: expected {} colours, found {}", mesh_.n_vertices(),
-                                     baked.colors.size()));
+    check_colors(scene, baked, "glTF writing");
   }
 
   WrittenColors build(GltfDocument& document) {

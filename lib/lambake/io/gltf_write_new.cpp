@@ -69,9 +69,7 @@ class NewAsset {
  public:
   NewAsset(const Scene& scene, const BakedColors& baked, const GltfWriteOptions& options)
       : scene_(scene), mesh_(mesh_of(scene, baked)), colors_(baked.colors), options_(options) {
-    if (colors_.size() != mesh_.n_vertices())
-      throw InvalidScene(
-          fmt::format("glTF writing: expected {} colours, found {}", mesh_.n_vertices(), colors_.size()));
+    check_colors(scene, baked, "glTF writing");
   }
 
   /// The document borrows from the scene, the colours and this.

@@ -16,7 +16,9 @@ InputFile::InputFile(const std::string& path, bool may_be_pipe) : path_(path) {
   std::error_code error;
   const std::filesystem::file_status status = std::filesystem::status(path, error);
   if (std::filesystem::is_directory(status)) throw IoError(path, "expected a file, found a folder");
-  if (!std::filesystem::exists(status)) throw IoError(path, "expected a file, found none");
+  if (status.type() == std::filesystem::file_type::not_found)
+    throw IoError(path, "expected a file, found none");
+  if (!std::filesystem::exists(status)) throw IoError(path, "cannot be opened: " + error.message());
   is_pipe_ = may_be_pipe && std::filesystem::is_fifo(status);
   if (!is_pipe_ && !std::filesystem::is_regular_file(status))
     throw IoError(path, "expected a file, found a device or pipe");
@@ -26,6 +28,7 @@ InputFile::InputFile(const std::string& path, bool may_be_pipe) : path_(path) {
     char block[65536];
     while (stream_.read(block, sizeof block) || stream_.gcount() > 0)
       piped_.append(block, static_cast<std::size_t>(stream_.gcount()));
+    if (stream_.bad()) throw IoError(path, "cannot be read");
     size_ = piped_.size();
   } else {
     size_ = std::filesystem::file_size(path, error);

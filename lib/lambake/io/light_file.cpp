@@ -11,6 +11,7 @@
 
 #include "lambake/core/error.h"
 #include "lambake/io/input_file.h"
+#include "lambake/io/json_text.h"
 
 namespace lambake {
 namespace {
@@ -73,7 +74,7 @@ class LightReader {
   }
   [[noreturn]] void fail(const std::string& key, const std::string& expected, const json* found) const {
     throw IoError(path_, fmt::format("{}{}: expected {}, found {}", where_, key, expected,
-                                     found == nullptr ? "nothing" : found->dump()));
+                                     found == nullptr ? "nothing" : shown(*found)));
   }
   const json* find(const char* key) const {
     const auto it = object_.find(key);
@@ -112,8 +113,8 @@ class LightReader {
   void allow_only(std::initializer_list<std::string_view> keys) const {
     for (const auto& [key, value] : object_.items())
       if (std::find(keys.begin(), keys.end(), key) == keys.end())
-        throw IoError(path_, fmt::format("{}: expected one of the keys {}, found \"{}\"", where_,
-                                         fmt::join(keys, ", "), key));
+        throw IoError(path_, fmt::format("{}: expected one of the keys {}, found {}", where_,
+                                         fmt::join(keys, ", "), shown(json(key))));
   }
 
   const std::string& path_;
@@ -125,26 +126,26 @@ class LightReader {
 
 std::vector<Light> read_light_file(const std::string& path) {
   const std::string text = read_bytes(path);
+  check_depth(path, text);
   json document;
   std::vector<std::set<std::string>> keys;  // Of the objects around the place, from the outermost on.
   const auto check_key = [&](int, json::parse_event_t event, json& value) {
     if (event == json::parse_event_t::object_start) keys.emplace_back();
     if (event == json::parse_event_t::object_end) keys.pop_back();
     if (event == json::parse_event_t::key && !keys.back().insert(value.get<std::string>()).second)
-      throw IoError(path, fmt::format("expected each key once in an object, found \"{}\" twice",
-                                      value.get<std::string>()));
+      throw IoError(path, fmt::format("expected each key once in an object, found {} twice", shown(value)));
     return true;
   };
   try {
     document = json::parse(text, check_key);
   } catch (const json::exception& error) {
-    throw IoError(path, std::string("expected JSON: ") + error.what());
+    throw_no_json(path, error.what());
   }
   if (!document.is_object() || !document.contains("lights") || !document["lights"].is_array())
     throw IoError(path, "expected {\"lights\": [...]}");
   for (const auto& [key, value] : document.items())
     if (key != "lights")
-      throw IoError(path, fmt::format("expected no key but \"lights\", found \"{}\"", key));
+      throw IoError(path, fmt::format("expected no key but \"lights\", found {}", shown(json(key))));
   std::vector<Light> lights;
   for (std::size_t i = 0; i < document["lights"].size(); ++i)
     lights.push_back(LightReader(path, document["lights"][i], i).read());

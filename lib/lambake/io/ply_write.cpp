@@ -104,6 +104,7 @@ WrittenColors write_ply_file(const std::string& path, const Scene& scene, const 
                              const PlyWriteOptions& options) {
   if (options.color == ColorStorage::u16)
     throw InvalidOption(path + ": colours of PLY are u8 or f32, not u16");
+  check_colors(scene, baked, path.c_str());
   const Mesh& mesh = mesh_of(scene, baked);
   const bool is_float = options.color == ColorStorage::f32;
 
@@ -114,11 +115,15 @@ WrittenColors write_ply_file(const std::string& path, const Scene& scene, const 
     for (std::size_t v = begin; v < end; ++v)
       colors[v] = color_at(scene, mesh, scene.materials[materials[v]], baked.colors[v], v);
   });
-  std::size_t n_non_finite = 0;
+  // Half a step of what is stored, of the steep end of the curve and of the flat one.
+  constexpr float above = 1 + 0.5f / 255, below = -0.5f / 255 / 12.92f;
+  std::size_t n_non_finite = 0, n_negative = 0;
   for (LinearRgb& c : colors) {
     if (!is_finite(c)) c = {0, 0, 0}, ++n_non_finite;
-    written.clipped_vertices += !is_float && std::max({c.r, c.g, c.b}) > 1;
+    written.clipped_vertices += !is_float && std::max({c.r, c.g, c.b}) > above;
+    n_negative += !is_float && std::min({c.r, c.g, c.b}) < below;
   }
+  tell_storage(written.findings, written.clipped_vertices, n_negative);
   add_finding(written.findings, "non_finite_baked_colors", n_non_finite,
               "vert[ex has|ices have] a baked colour that is not finite; black instead");
 
@@ -134,8 +139,9 @@ WrittenColors write_ply_file(const std::string& path, const Scene& scene, const 
       append(row, colors[v]);
     } else {
       append(row, to_srgb8(colors[v]));
-      const float opacity = mesh.opacities.empty() ? 1.0f : std::clamp(mesh.opacities[v], 0.0f, 1.0f);
-      append(row, static_cast<std::uint8_t>(opacity * 255.0f + 0.5f));
+      const float opacity =
+          scene.materials[materials[v]].opacity * (mesh.opacities.empty() ? 1.0f : mesh.opacities[v]);
+      append(row, static_cast<std::uint8_t>(std::clamp(opacity, 0.0f, 1.0f) * 255.0f + 0.5f));
     }
   });
   write_rows(file, mesh.n_triangles(), 13, [&](std::size_t t, char* row) {

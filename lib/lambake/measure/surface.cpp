@@ -23,7 +23,7 @@ ComparedSurface::ComparedSurface(const Scene& scene, const BakedColors& baked)
     if (found != expected)
       throw InvalidScene(fmt::format("measure: {}: expected {}, found {}", what, expected, found));
   };
-  check("vertex colours", colors_.size(), mesh_.n_vertices());
+  check_colors(scene, baked, "measure");
   check("vertex normals", mesh_.normals.size(), mesh_.n_vertices());
   if (!baked.cuts.empty()) check("vertices before the cuts", n_uncut_, scene.mesh.n_vertices());
 

@@ -226,6 +226,7 @@ Picture shade_per_fragment(const Scene& scene, const Visibility& visibility) {
 }
 
 Picture shade_per_vertex(const Scene& scene, const BakedColors& baked, const Visibility& visibility) {
+  check_colors(scene, baked, "render");
   return shade(scene, mesh_of(scene, baked), visibility, VertexLight{baked});
 }
 
@@ -236,6 +237,7 @@ std::size_t render_per_fragment(const Scene& scene, const Camera& camera, std::u
 
 std::size_t render_per_vertex(const Scene& scene, const BakedColors& baked, const Camera& camera,
                               std::uint32_t width, std::uint32_t height, Picture& out) {
+  check_colors(scene, baked, "render");
   return render(scene, mesh_of(scene, baked), camera, width, height, VertexLight{baked}, out);
 }
 

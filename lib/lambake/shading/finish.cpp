@@ -26,12 +26,10 @@ TexelRange texel_range(const Scene& scene, const Texture& texture, const glm::dv
   // Far out, where a float is coarser than a texel, the whole is taken as well.
   const double farthest = std::max({-first.x, -first.y, last.x, last.y});
   if (!(count.x * count.y <= most_texels) || farthest > 1e5) return whole;
-  Texture plain = texture;
-  plain.transform = glm::mat3(1.0f);
   TexelRange range{glm::dvec3(1e300), glm::dvec3(-1e300)};
-  for (double y = first.y; y <= last.y; ++y)
-    for (double x = first.x; x <= last.x; ++x) {
-      const glm::dvec3 texel(sample_texture(scene, plain, glm::vec2((glm::dvec2(x, y) + 0.5) / size)));
+  for (auto y = static_cast<std::int64_t>(first.y); y <= static_cast<std::int64_t>(last.y); ++y)
+    for (auto x = static_cast<std::int64_t>(first.x); x <= static_cast<std::int64_t>(last.x); ++x) {
+      const glm::dvec3 texel(texel_of_plane(image, texture, x, y));
       range.low = glm::min(range.low, texel), range.high = glm::max(range.high, texel);
     }
   range.low *= 1 - room, range.high *= 1 + room;

@@ -30,7 +30,22 @@ std::uint32_t wrap_index(std::int64_t i, std::uint32_t size, TextureWrap mode) {
       glm::clamp<std::int64_t>(i, 0, n - 1));  // a mirror repeats its edge texel
 }
 
+/// Any texel index brought inside [0, size).
+std::uint32_t wrap_any_index(std::int64_t i, std::uint32_t size, TextureWrap mode) {
+  const std::int64_t n = size;
+  if (mode == TextureWrap::clamp_to_edge)
+    return static_cast<std::uint32_t>(glm::clamp<std::int64_t>(i, 0, n - 1));
+  const std::int64_t period = mode == TextureWrap::repeat ? n : 2 * n;
+  const std::int64_t at = (i % period + period) % period;
+  return static_cast<std::uint32_t>(at < n ? at : 2 * n - 1 - at);
+}
+
 }  // namespace
+
+glm::vec4 texel_of_plane(const Image& image, const Texture& texture, std::int64_t i, std::int64_t j) {
+  const std::size_t row = wrap_any_index(j, image.height, texture.wrap_t);
+  return image.pixel(row * image.width + wrap_any_index(i, image.width, texture.wrap_s));
+}
 
 glm::vec4 sample_texture(const Scene& scene, const Texture& texture, const glm::vec2& uv) {
   const Image& image = scene.images[texture.image];
