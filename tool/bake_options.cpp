@@ -62,12 +62,9 @@ void tell_unheeded(const BakeMethodOptions& options, Console& console) {
                                fmt::join(option.methods, " and ")));
 }
 
-/// A number, or a quotient of two.
 double parse_tolerance(const std::string& text) {
-  const std::size_t slash = text.find('/');
-  double value = parse_number("--tolerance", text.substr(0, slash));
-  if (slash != std::string::npos) value /= parse_number("--tolerance", text.substr(slash + 1));
-  if (!(value > 0) || !std::isfinite(value))
+  const double value = parse_quotient("--tolerance", text);
+  if (!(value > 0))
     throw InvalidOption(fmt::format("--tolerance: expected a number above 0, found \"{}\"", text));
   return value;
 }
@@ -98,11 +95,11 @@ void add_bake_options(CLI::App& command, BakeMethodOptions& options) {
   command
       .add_option("--max-seconds", options.max_seconds,
                   "adaptive, auto: stop cutting after this time; 0 is no limit")
-      ->check(CLI::NonNegativeNumber);
+      ->check(at_least_zero());
   command
       .add_option("--gradient-weight", options.gradient_weight,
                   "least-squares: how much jumps of the colour's slope count against the error")
-      ->check(CLI::NonNegativeNumber)
+      ->check(at_least_zero())
       ->capture_default_str();
   command.add_option("--levels", options.levels, "uniform: how often each triangle is quartered")
       ->check(CLI::Range(0, 15))
@@ -202,6 +199,12 @@ void check_baked_path(const std::string& path, const OutputOptions& options) {
   }
   if (extension != "glb" && extension != "gltf")
     throw InvalidOption(fmt::format("-o {}: expected .glb, .gltf or .ply", path));
+  if (extension == "gltf" && !std::filesystem::exists(path)) {
+    const std::filesystem::path bin = std::filesystem::path(path).replace_extension(".bin");
+    if (std::filesystem::exists(bin))
+      throw InvalidOption(
+          fmt::format("-o {}: would replace {}, which is of something else", path, bin.string()));
+  }
   check_gltf_write_options(gltf_options(options));
 }
 

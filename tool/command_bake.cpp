@@ -9,6 +9,7 @@
 #include "commands.h"
 #include "json_text.h"
 #include "lambake/core/error.h"
+#include "lambake/io/file_extension.h"
 #include "lambake/io/gltf.h"
 #include "lambake/io/ply_write.h"
 #include "options.h"
@@ -27,6 +28,7 @@ int bake_and_write(const BakeCommand& command) {
   Console console(command.scene.quiet);
   Stopwatch stopwatch;
   for (const std::string& path : command.outputs) check_baked_path(path, command.output);
+  check_distinct(command.outputs);
   const BakeOptions how = bake_options(command.method, console);
   LoadedScene loaded = load_scene(command.scene, console, stopwatch);
   console.stage("baking");
@@ -52,7 +54,13 @@ int bake_and_write(const BakeCommand& command) {
   Findings findings = loaded.file.findings;
   findings.insert(findings.end(), baked.findings.begin(), baked.findings.end());
   for (const std::string& path : command.outputs) {
-    const WrittenColors written = write_baked(path, loaded.file, baked, command.output);
+    WrittenColors written = write_baked(path, loaded.file, baked, command.output);
+    const std::string& first = command.outputs.front();
+    const auto is_ply = [](const std::string& name) { return file_extension(name) == "ply"; };
+    if (baked.certificate && is_ply(path) != is_ply(first))
+      add_finding(written.findings, "certificate_of_another_file", 1,
+                  "output stores colours otherwise than the first: the certificate is of " + first +
+                      ", not of " + path);
     console.tell(written.findings);
     json["outputs"].push_back({{"path", path},
                                {"bytes", std::filesystem::file_size(path)},

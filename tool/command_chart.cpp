@@ -6,6 +6,7 @@
 #include "commands.h"
 #include "lambake/core/digits.h"
 #include "lambake/core/version.h"
+#include "lambake/io/gltf.h"
 #include "lambake/io/output_file.h"
 #include "lambake/io/output_folder.h"
 #include "lambake/report/chart_report.h"
@@ -35,10 +36,12 @@ int chart_and_write(const ChartCommand& command, const std::string& command_line
   const LoadedScene loaded = load_scene(command.scene, console, stopwatch);
   console.stage("measuring");
   ChartRun run =
-      run_chart(loaded.file.scene, {.methods = command.methods,
-                                    .budget_seconds = command.budget_seconds,
-                                    .camera = choose_camera(command.camera, loaded.file.scene, {16, 9}),
-                                    .progress = console.progress()});
+      run_chart(loaded.file.scene,
+                {.methods = command.methods,
+                 .budget_seconds = command.budget_seconds,
+                 .camera = choose_camera(command.camera, loaded.file.scene, {16, 9}),
+                 .output = [&](ColorStorage color) { return gltf_output(loaded.file, {.color = color}); },
+                 .progress = console.progress()});
   run.input = std::filesystem::path(command.scene.input).filename().string();
   run.command = command_line;
   run.version = version();
@@ -86,7 +89,7 @@ void add_chart_command(CLI::App& app, Run& run) {
       ->delimiter(',')
       ->check(CLI::IsMember(chart_methods()));
   sub.add_option("--budget-seconds", command->budget_seconds, "nothing new is measured after this long")
-      ->check(CLI::PositiveNumber)
+      ->check(above_zero())
       ->capture_default_str();
   sub.footer("Example: lambake chart bunny.ply --sun 0.4,1,0.3 -o out/chart --budget-seconds 30");
   sub.callback([command, &run] {

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
+#include <system_error>
 
 #include "bake_options.h"
 #include "commands.h"
@@ -46,7 +47,7 @@ Threshold parse_threshold(const std::string& text) {
   const std::size_t equals = text.find('=');
   if (equals == std::string::npos || equals == 0)
     throw InvalidOption(fmt::format("--fail-above: expected METRIC=VALUE, found \"{}\"", text));
-  return {text.substr(0, equals), parse_number("--fail-above", text.substr(equals + 1))};
+  return {text.substr(0, equals), parse_quotient("--fail-above", text.substr(equals + 1))};
 }
 
 /// The number that a path names, or null if there is none.
@@ -56,6 +57,14 @@ const nlohmann::ordered_json* find_number(const nlohmann::ordered_json& report, 
   if (!report.contains(pointer)) return nullptr;
   const auto& value = report[pointer];
   return value.is_number() || value.is_null() ? &value : nullptr;
+}
+
+/// Errors on screen lie in [0,1]: a larger threshold was meant in steps of 1/255.
+bool is_error_on_screen(const std::string& metric) {
+  for (const char* of : {"image.display.", "surface.display."})
+    for (const char* name : {"rmse", "mae", "mean", "max", "p99", "max_sampled", "max_bound"})
+      if (metric == std::string(of) + name) return true;
+  return false;
 }
 
 [[noreturn]] void fail_without(const std::string& metric) {
@@ -75,6 +84,11 @@ void resolve_metrics(std::vector<Threshold>& thresholds) {
     if (threshold.metric.find('.') == std::string::npos && find_number(report, on_screen) != nullptr)
       threshold.metric = on_screen;
     if (find_number(report, threshold.metric) == nullptr) fail_without(threshold.metric);
+    if (threshold.value > 1 && is_error_on_screen(threshold.metric))
+      throw InvalidOption(
+          fmt::format("--fail-above {}: expected a value of at most 1, where the brightest is 1, found {} "
+                      "(in steps: {}/255)",
+                      threshold.metric, threshold.value, threshold.value));
   }
 }
 
@@ -109,6 +123,7 @@ void compare_views(const CompareCommand& command, const Scene& scene, const Bake
   comparison.n_views = cameras.size();
   comparison.image_linear = combine(linear);
   comparison.image_display = combine(display);
+  if (comparison.image_display.pixels == 0) console.note("the picture shows nothing of the model");
 }
 
 /// Says what was exceeded; the exit code.
@@ -117,6 +132,13 @@ int check_thresholds(const std::vector<Threshold>& thresholds, const nlohmann::o
   for (const Threshold& threshold : thresholds) {
     const auto* const value = find_number(report, threshold.metric);
     if (value == nullptr) fail_without(threshold.metric);
+    const bool is_of_picture = threshold.metric.starts_with("image.");
+    if (is_of_picture && report["image"]["display"]["pixels"] == 0) {
+      print_error(fmt::format("lambake: {} has no value, as the picture shows nothing of the model\n",
+                              threshold.metric));
+      exit_code = 1;
+      continue;
+    }
     const double found = value->is_null() ? INFINITY : value->get<double>();  // JSON has no infinity: null.
     if (!(found > threshold.value)) continue;
     print_error(fmt::format("lambake: {} is {}, above {}\n", threshold.metric, found, threshold.value));
@@ -149,6 +171,12 @@ int compare_and_write(const CompareCommand& command, const std::string& command_
   for (const std::string& text : command.thresholds) thresholds.push_back(parse_threshold(text));
   resolve_metrics(thresholds);
   check_output_folder(command.folder);
+  for (const char* name : {"lit.glb", "lit.ply", "surface_error.ply"}) {
+    std::error_code ignored;  // Of a file that is not there yet.
+    const std::filesystem::path output = std::filesystem::path(command.folder) / name;
+    if (std::filesystem::equivalent(output, command.scene.input, ignored))
+      throw InvalidOption(fmt::format("-o {}: would replace the input", command.folder));
+  }
   picture_size(command.camera);
   check_baked_path("lit.glb", command.output);
   const BakeOptions how = bake_options(command.method, console);
@@ -265,6 +293,7 @@ void add_compare_command(CLI::App& app, Run& run) {
       ->capture_default_str();
   sub.add_option("--fail-above", command->thresholds,
                  "exit with 1 if METRIC=VALUE is exceeded; rmse, mae, max, p99 are of the picture on screen, "
+                 "in [0,1] (3/255 is three steps), "
                  "others by "
                  "path in report.json, e.g. surface.linear.rmse=0.01; repeatable")
       ->allow_extra_args(false);

@@ -27,6 +27,7 @@ int render_and_write(const RenderCommand& command) {
   Stopwatch stopwatch;
   const glm::uvec2 size = picture_size(command.camera);
   for (const std::string& path : command.outputs) check_picture_path(path);
+  check_distinct(command.outputs);
   const LoadedScene loaded = load_scene(command.scene, console, stopwatch);
   const Scene& scene = loaded.file.scene;
   const Camera camera = choose_camera(command.camera, scene, size);
@@ -43,6 +44,7 @@ int render_and_write(const RenderCommand& command) {
   }
   stopwatch.lap("render");
   console.clear_bar();
+  if (n_covered == 0) console.note("the picture shows nothing of the model");
   for (const std::string& path : command.outputs) {
     write_picture(path, picture);
     if (!command.scene.json && !command.scene.quiet) print_result("{}: {}x{} pixels\n", path, size.x, size.y);

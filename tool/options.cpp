@@ -7,6 +7,7 @@
 #include <cmath>
 #include <filesystem>
 #include <numbers>
+#include <set>
 
 #include "lambake/core/bounds.h"
 #include "lambake/core/error.h"
@@ -203,6 +204,46 @@ double parse_number(const std::string& option, std::string_view text) {
   return number;
 }
 
+double parse_quotient(const std::string& option, std::string_view text) {
+  const std::size_t slash = text.find('/');
+  const double value = parse_number(option, text.substr(0, slash));
+  if (slash == std::string_view::npos) return value;
+  const double quotient = value / parse_number(option, text.substr(slash + 1));
+  if (!std::isfinite(quotient))
+    throw InvalidOption(fmt::format("{}: expected a finite number, found \"{}\"", option, text));
+  return quotient;
+}
+
+void check_distinct(const std::vector<std::string>& outputs) {
+  std::set<std::filesystem::path> seen;
+  for (const std::string& output : outputs)
+    if (!seen.insert(std::filesystem::path(output).lexically_normal()).second)
+      throw InvalidOption(fmt::format("-o {}: expected each file once", output));
+}
+
+namespace {
+
+CLI::Validator number_check(const char* expected, bool takes_zero) {
+  const auto check = [expected, takes_zero](const std::string& text) -> std::string {
+    double number = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+    const bool is_sound = error == std::errc() && *end == '\0' && std::isfinite(number) &&
+                          (number > 0 || (takes_zero && number == 0));
+    return is_sound ? "" : fmt::format("expected a finite number {}, found \"{}\"", expected, text);
+  };
+  return {check, ""};
+}
+
+}  // namespace
+
+CLI::Validator at_least_zero() {
+  return number_check("of at least 0", true);
+}
+
+CLI::Validator above_zero() {
+  return number_check("above 0", false);
+}
+
 void add_scene_options(CLI::App& command, SceneOptions& options) {
   command.add_option("INPUT", options.input, "mesh or scene: .ply .obj .off .stl .om .gltf .glb")->required();
   command.add_option("--sun", options.suns, "directional light, towards it: X,Y,Z[,R,G,B]; repeatable")
@@ -228,8 +269,10 @@ void add_scene_options(CLI::App& command, SceneOptions& options) {
 void add_camera_options(CLI::App& command, CameraOptions& options) {
   command.add_option("--camera", options.camera, "camera of the file, by name or number");
   command.add_option("--eye", options.eye, "where the camera stands: X,Y,Z");
-  command.add_option("--target", options.target, "what it looks at: X,Y,Z (default: the model's centre)");
-  command.add_option("--fov-deg", options.fov_deg, "vertical angle of view in degrees (default 35)");
+  command.add_option("--target", options.target,
+                     "with --eye: what it looks at: X,Y,Z (default: the model's centre)");
+  command.add_option("--fov-deg", options.fov_deg,
+                     "with --eye: vertical angle of view in degrees (default 35)");
   command.add_option("--size", options.size, "picture size WIDTHxHEIGHT")->capture_default_str();
 }
 
@@ -284,6 +327,8 @@ Camera choose_camera(const CameraOptions& options, const Scene& scene, const glm
   const float aspect = static_cast<float>(size.x) / static_cast<float>(size.y);
   const Bounds bounds = bounds_of(scene.mesh.positions);
   if (!options.camera.empty()) {
+    if (!options.eye.empty() || !options.target.empty() || options.fov_deg)
+      throw InvalidOption("--camera: expected no --eye, --target or --fov-deg with it");
     for (const Camera& camera : scene.cameras)
       if (camera.name == options.camera) return camera;
     std::size_t number = 0;
@@ -303,6 +348,9 @@ Camera choose_camera(const CameraOptions& options, const Scene& scene, const glm
       const std::vector<float> t = parse_numbers("--target", options.target, 3, 3);
       target = {t[0], t[1], t[2]};
     }
+    if (options.fov_deg && !(*options.fov_deg > 0 && *options.fov_deg < 180))
+      throw InvalidOption(
+          fmt::format("--fov-deg: expected an angle above 0 and below 180, found {}", *options.fov_deg));
     Camera camera = look_at({eye[0], eye[1], eye[2]}, target, options.fov_deg.value_or(35.0f) * rad_per_deg);
     camera.near_distance = std::max(1e-4f * bounds.radius(), 1e-30f);
     return camera;

@@ -68,4 +68,14 @@ std::vector<float> parse_numbers(const std::string& option, const std::string& t
 /// One finite number. @throws InvalidOption naming `option`.
 double parse_number(const std::string& option, std::string_view text);
 
+/// The same, or a quotient of two: "1/255".
+double parse_quotient(const std::string& option, std::string_view text);
+
+/// @throws InvalidOption if two outputs are one file.
+void check_distinct(const std::vector<std::string>& outputs);
+
+/// For CLI11: finite numbers of at least 0, or above 0.
+CLI::Validator at_least_zero();
+CLI::Validator above_zero();
+
 }  // namespace lambake::tool

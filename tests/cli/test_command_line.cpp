@@ -233,6 +233,78 @@ TEST(CommandLine, ClosedAndFullStreams_AreNoFaultOfOurs) {
   EXPECT_EQ(exit_code("compare in.off -o e --fail-above max=0 2>/dev/full"), 1);
 }
 
+TEST(CommandLine, OutputsInTheWayOfEachOtherOrOfOtherFiles_AreRefused) {
+  const ScratchFolder folder("in_the_way");
+  write_octahedron(folder / "in.off");
+  EXPECT_EQ(run_tool(folder, "bake in.off -o a.glb -o ./a.glb").exit_code, 2);
+  EXPECT_EQ(run_tool(folder, "render in.off -o a.png -o a.png").exit_code, 2);
+  std::ofstream(folder / "scan.bin") << "of something else";
+  const ToolResult refused = run_tool(folder, "bake in.off -o scan.gltf");
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_NE(refused.err.find("scan.bin"), std::string::npos) << refused.err;
+  ASSERT_EQ(run_tool(folder, "compare in.off -o out --size 16x16").exit_code, 0);
+  EXPECT_EQ(run_tool(folder, "compare out/lit.glb -o out --size 16x16").exit_code, 2);
+  EXPECT_EQ(run_tool(folder, "compare out/lit.glb -o out2 --size 16x16").exit_code, 0);
+}
+
+TEST(CommandLine, FoldersInTheWayOfFiles_LeaveTheFolderAsItWas) {
+  const ScratchFolder folder("folder_in_the_way");
+  write_octahedron(folder / "in.off");
+  std::filesystem::create_directories(folder / "out" / "difference.png");
+  EXPECT_EQ(run_tool(folder, "compare in.off -o out --size 16x16").exit_code, 3);
+  EXPECT_FALSE(std::filesystem::exists(folder / "out" / "lit.glb"));
+}
+
+TEST(CommandLine, PictureThatShowsNothing_IsTold_AndHasNoErrorToPass) {
+  const ScratchFolder folder("nothing");
+  write_octahedron(folder / "in.off");
+  const std::string away = " in.off --eye 0,0,50 --target 0,0,100 --size 16x16 ";
+  const ToolResult compared = run_tool(folder, "compare" + away + "-o out --fail-above rmse=0.5");
+  EXPECT_EQ(compared.exit_code, 1);
+  EXPECT_NE(compared.err.find("shows nothing"), std::string::npos) << compared.err;
+  EXPECT_EQ(run_tool(folder, "compare" + away + "-o out --fail-above surface.display.max=1").exit_code, 2);
+  EXPECT_EQ(
+      run_tool(folder, "compare" + away + "-o out --fail-above surface.display.max_sampled=1").exit_code, 0);
+  EXPECT_NE(run_tool(folder, "render" + away + "-o a.png").err.find("shows nothing"), std::string::npos);
+}
+
+TEST(CommandLine, Thresholds_TakeQuotients_ButNoStepsOf255) {
+  const ScratchFolder folder("steps");
+  write_octahedron(folder / "in.off");
+  const std::string compare = "compare in.off --sun 0.3,0.2,1 -o out --size 16x16 --fail-above rmse=";
+  EXPECT_EQ(run_tool(folder, compare + "254/255").exit_code, 0);
+  EXPECT_EQ(run_tool(folder, compare + "0/255").exit_code, 1);
+  EXPECT_EQ(run_tool(folder, compare + "1/0").exit_code, 2);
+  const ToolResult refused = run_tool(folder, compare + "3");
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_NE(refused.err.find("3/255"), std::string::npos) << refused.err;
+}
+
+TEST(CommandLine, NumbersOutOfRange_AreToldByTheirOption) {
+  const ScratchFolder folder("numbers");
+  write_octahedron(folder / "in.off");
+  for (const char* arguments :
+       {"chart in.off -o c --budget-seconds 0", "bake in.off -o a.glb --max-seconds -1",
+        "bake in.off -o a.glb --gradient-weight nan", "render in.off -o a.png --eye 0,0,3 --fov-deg 180"}) {
+    const ToolResult refused = run_tool(folder, arguments);
+    EXPECT_EQ(refused.exit_code, 2) << arguments;
+    EXPECT_LT(refused.err.size(), 200U) << refused.err;
+    EXPECT_NE(refused.err.find("--"), std::string::npos) << refused.err;
+  }
+  EXPECT_NE(run_tool(folder, "render in.off --camera a --eye 0,0,3 -o a.png").err.find("no --eye"),
+            std::string::npos);
+}
+
+TEST(CommandLine, CertificateOfTheFirstOutput_IsNotThatOfAnotherFormat) {
+  const ScratchFolder folder("two_formats");
+  write_octahedron(folder / "in.off");
+  const std::string bake = "bake in.off --sun 0.3,0.2,1 --method adaptive --json ";
+  EXPECT_NE(run_tool(folder, bake + "-o a.glb -o a.ply").out.find("certificate_of_another_file"),
+            std::string::npos);
+  EXPECT_EQ(run_tool(folder, bake + "-o a.glb -o b.glb").out.find("certificate_of_another_file"),
+            std::string::npos);
+}
+
 TEST(CommandLine, GltfInTheWayOfItsSourcesBuffer_IsRefused) {
   const ScratchFolder folder("buffer");
   write_octahedron(folder / "in.off");

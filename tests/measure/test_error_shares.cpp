@@ -43,6 +43,33 @@ TEST(ErrorShares, CoarseSteps_AreTheQuantisation) {
   EXPECT_NEAR(std::hypot(shares.interpolation, shares.quantisation.value()), whole, 0.05 * whole);
 }
 
+// Stripes of black and white across a square: half of the surface shows nothing of what is clipped.
+TEST(ErrorShares, Texture_WeighsWhatIsClipped) {
+  Scene scene = scene_of(grid(2, 1), {sun({0, 1, 0}, {1.5f, 1, 0.25f})});
+  for (const glm::vec3& p : scene.mesh.positions) scene.mesh.texcoords[0].push_back({p.x, p.z});
+  scene.textures = {{.image = 0, .filter = TextureFilter::nearest}};
+  scene.materials[0].base_color_texture = 0;
+  const ColorOutput output = storing([](const LinearRgb& c) {
+    return LinearRgb{std::min(c.r, 1.0f), std::round(c.g * 8) / 8, std::round(c.b * 8) / 8 + 0.25f};
+  });
+  const auto shares_with = [&](const std::vector<glm::vec4>& texels) {
+    Image image;
+    image.width = static_cast<std::uint32_t>(texels.size()), image.height = 1;
+    image.pixels = texels;
+    scene.images = {image};
+    return shares_of(scene, bake(scene, {}), output);
+  };
+  const double clipping = 0.5 / std::sqrt(3.0), rounding = 0.25 / std::sqrt(3.0);
+  for (const float grey : {1.0f, 0.25f, 0.0f}) {
+    const ErrorShares shares = shares_with({glm::vec4(glm::vec3(grey), 1)});
+    EXPECT_NEAR(shares.clipping.value(), grey * clipping, 1e-6) << grey;
+    EXPECT_NEAR(shares.quantisation.value(), grey * rounding, 1e-6) << grey;
+  }
+  const ErrorShares striped = shares_with({glm::vec4(0, 0, 0, 1), glm::vec4(1)});
+  EXPECT_NEAR(striped.clipping.value(), clipping * std::sqrt(0.5), 0.01 * clipping);
+  EXPECT_NEAR(striped.quantisation.value(), rounding * std::sqrt(0.5), 0.01 * rounding);
+}
+
 TEST(ErrorShares, OfAdaptive_AreInOne) {
   // Its colours are those that are stored, so that the steps after it have nothing to add.
   const Scene scene = scene_of(icosphere(2), {sun({0.4f, 1, 0.3f})});

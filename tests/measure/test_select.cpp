@@ -37,5 +37,12 @@ TEST(SelectMethod, TooFewVertices_SaysThatPixelsAreNeeded) {
   EXPECT_LE(selection.baked.mesh->n_vertices(), 170U);
 }
 
+TEST(SelectMethod, TooLittleTime_DecidesNothing) {
+  const Scene scene = scene_of(icosphere(5), {sun({0.4f, 1, 0.3f})});
+  const Selection selection = select_method(scene, {.max_seconds = 1e-6});
+  EXPECT_FALSE(selection.is_certified);
+  EXPECT_EQ(selection.sentence.rfind("not decided in 1e-06 s", 0), 0U) << selection.sentence;
+}
+
 }  // namespace
 }  // namespace lambake

@@ -90,6 +90,16 @@ TEST(LookAt, AnyDirection_MapsTheTargetToTheMiddleAndKeepsLengths) {
   }
 }
 
+TEST(LookAt, StraightDownOrUp_IsTheLimitOfAnEyeTowardsZ) {
+  for (const float height : {3.0f, -3.0f}) {
+    const Camera straight = look_at({0, height, 0}, {0, 0, 0}, 0.6f);
+    const Camera beside = look_at({0, height, 0.06f}, {0, 0, 0}, 0.6f);
+    for (int c = 0; c < 3; ++c)
+      for (int r = 0; r < 3; ++r)
+        EXPECT_NEAR(straight.world_from_camera[c][r], beside.world_from_camera[c][r], 0.03) << height;
+  }
+}
+
 TEST(LookAt, NoDirectionOrNoAngle_Throws) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   EXPECT_THROW(look_at({1, 2, 3}, {1, 2, 3}, 0.7f), InvalidOption);

@@ -1,13 +1,17 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "lambake/bake/bake.h"
 #include "lambake/core/error.h"
+#include "lambake/measure/surface_error.h"
 #include "lambake/render/framing.h"
 #include "lambake/report/chart_report.h"
+#include "shapes.h"
 
 namespace lambake {
 namespace {
@@ -85,6 +89,45 @@ TEST(RunChart, MethodsAskedFor_AreMeasured_WithTheirErrors) {
     EXPECT_TRUE(f.per_vertex_one_thread.median > 0 && f.per_fragment_one_thread.median > 0);
   ASSERT_FALSE(run.lights.empty());
   EXPECT_EQ(run.lights.front().n_lights, 1U);
+}
+
+TEST(RunChart, Errors_AreOfWhatTheOutputShows) {
+  Scene scene = leaning_square();
+  for (Light& light : scene.lights) light.intensity = LinearRgb{3, 3, 3};
+  const auto clip = [](ColorStorage) {
+    ColorOutput output;
+    output.shown = [](const LinearRgb& c, const Material&) {
+      return glm::dvec3(std::min(c.r, 1.0f), std::min(c.g, 1.0f), std::min(c.b, 1.0f));
+    };
+    return output;
+  };
+  const auto rmse_of_sample = [&](const ChartRunOptions& options) {
+    return run_chart(scene, options).methods.front().rmse;
+  };
+  ChartRunOptions options{.methods = {"sample"}, .budget_seconds = 2};
+  options.camera = frame(scene.mesh.positions, 16.0f / 9);
+  const double unclipped = rmse_of_sample(options);
+  options.output = clip;
+  BakedColors baked = bake(scene, {});
+  take_stored_colors(scene, clip(ColorStorage::u16), baked);
+  EXPECT_EQ(rmse_of_sample(options), surface_error(scene, baked, ErrorSpace::display).rmse);
+  EXPECT_NE(rmse_of_sample(options), unclipped);
+}
+
+TEST(RunChart, MethodsThatTimeEnds_AreLeftOut) {
+  Scene scene = leaning_square();
+  scene.mesh = icosphere(5);
+  scene.mesh.normals = scene.mesh.positions;
+  for (int i = 0; i < 40; ++i) {
+    Light light;
+    light.direction_to_light = glm::normalize(glm::vec3(std::cos(i), std::sin(i), 0.1f));
+    scene.lights.push_back(light);
+  }
+  const ChartRun run = run_chart(
+      scene,
+      {.methods = {"adaptive"}, .budget_seconds = 0.02, .camera = frame(scene.mesh.positions, 16.0f / 9)});
+  for (const MethodRun& m : run.methods) EXPECT_NE(m.method, "adaptive");
+  EXPECT_NE(std::find(run.left_out.begin(), run.left_out.end(), "adaptive, 1/255"), run.left_out.end());
 }
 
 TEST(RunChart, BudgetThatIsOver_LeavesOut_AndSaysWhat) {

@@ -118,6 +118,7 @@ class AdaptiveBake {
     certificate.max_bound =
         bound_in_output(scene_, options_.output, options_.tolerance_space, certificate.max_bound);
     certificate.is_certified = certificate.open_triangles == 0 && certificate.max_bound <= options_.tolerance;
+    certificate.is_out_of_time = is_late() && !certificate.is_certified;
     if (is_late())
       add_finding(baked.findings, "triangles_not_bounded", unbounded,
                   "triangle[ has|s have] no bound: the time was up, or a light touches [it|them]");

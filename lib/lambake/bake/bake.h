@@ -30,6 +30,7 @@ struct Certificate {
   bool is_certified = false;               ///< The bound is at most the tolerance on every triangle.
   double max_bound = 0;                    ///< The largest bound of a triangle; infinite if one has none.
   std::size_t open_triangles = 0;          ///< With a bound above the tolerance.
+  bool is_out_of_time = false;             ///< Cutting ended by BakeOptions::max_seconds; it might go on.
   double smallest_angle_before = 0;        ///< Radians, of the triangles with area.
   double smallest_angle_after = 0;
 };

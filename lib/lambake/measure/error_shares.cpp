@@ -2,33 +2,66 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
+#include "lambake/core/parallel.h"
+#include "lambake/core/quadrature.h"
 #include "lambake/measure/surface.h"
 
 namespace lambake {
 namespace {
 
-/// RMS over the surface and the channels of what is linear between the vertices: on a triangle
-/// ∫ (Σ b_i d_i)² dA = A/12 (Σ d_i² + (Σ d_i)²). Base colours without textures.
+/// Places that textures are sampled at over the whole surface, about.
+constexpr std::size_t n_samples = 2'000'000;
+
+/// ∫ (base ⊗ Σ b_k d_k)² dA / A over a triangle, by channel. d is linear: without a texture
+/// ∫ (Σ b_k d_k)² dA = A/12 (Σ d_k² + (Σ d_k)²).
+/// @param d       by corner. @param levels  how often a triangle is quartered to sample its texture.
+glm::dvec3 mean_square(const ComparedSurface& surface, std::size_t f, const glm::dmat3& d, int levels) {
+  if (!surface.has_texture(f)) {
+    const glm::dvec3 base = surface.finish_at(f, glm::dvec3(1.0 / 3)).base, sum = d[0] + d[1] + d[2];
+    return base * base * (d[0] * d[0] + d[1] * d[1] + d[2] * d[2] + sum * sum) / 12.0;
+  }
+  std::vector<glm::dmat3> parts{glm::dmat3(1.0)};
+  for (int level = 0; level < levels; ++level) {
+    std::vector<glm::dmat3> finer;
+    for (const glm::dmat3& part : parts)
+      for (const glm::dmat3& quarter : quarters(part)) finer.push_back(quarter);
+    parts = std::move(finer);
+  }
+  glm::dvec3 sum(0);
+  for (const glm::dmat3& part : parts)
+    for (const QuadratureNode& node : quadrature_4) {
+      const glm::dvec3 b = part * node.b, value = surface.finish_at(f, b).base * (d * b);
+      sum += node.weight * value * value;
+    }
+  return sum / double(parts.size());
+}
+
+/// RMS over the surface and the channels of a difference that is linear between the vertices.
 double rms_of_difference(const ComparedSurface& surface, const std::vector<LinearRgb>& a,
                          const std::vector<LinearRgb>& b) {
-  double sum = 0, total = 0;
-  for (std::size_t f = 0; f < surface.n_triangles(); ++f) {
-    const double area = area_of(surface.patch(f));
-    if (area == 0) continue;
-    total += area;
-    const LinearRgb& base = surface.scene().materials[surface.mesh().material_of(f)].base_color;
-    glm::dvec3 squares(0), plain(0);
-    for (int c = 0; c < 3; ++c) {
-      const std::uint32_t v = surface.mesh().triangles[f][c];
-      const LinearRgb step = base * (a[v] - b[v]);
-      const glm::dvec3 d(step.r, step.g, step.b);
-      squares += d * d, plain += d;
+  int levels = 0;
+  for (std::size_t n = surface.n_triangles() * quadrature_4.size(); 4 * n <= n_samples && levels < 5; n *= 4)
+    ++levels;
+  std::vector<double> sums(surface.n_triangles()), areas(surface.n_triangles());
+  parallel_blocks(surface.n_triangles(), 256, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t f = begin; f < end; ++f) {
+      areas[f] = area_of(surface.patch(f));
+      glm::dmat3 d;
+      for (int c = 0; c < 3; ++c) {
+        const std::uint32_t v = surface.mesh().triangles[f][c];
+        const LinearRgb step = a[v] - b[v];
+        d[c] = {step.r, step.g, step.b};
+      }
+      if (areas[f] == 0 || d == glm::dmat3(0.0)) continue;
+      const glm::dvec3 square = mean_square(surface, f, d, levels);
+      sums[f] = areas[f] * (square[0] + square[1] + square[2]) / 3;
     }
-    const glm::dvec3 integral = area / 12 * (squares + plain * plain);
-    sum += (integral[0] + integral[1] + integral[2]) / 3;
-  }
+  });
+  double sum = 0, total = 0;
+  for (std::size_t f = 0; f < sums.size(); ++f) sum += sums[f], total += areas[f];
   return total > 0 ? std::sqrt(sum / total) : 0;
 }
 

@@ -39,9 +39,16 @@ std::string verdict(const Selection& selection, const BakeOptions& options, std:
         "{} → {} vertices would do for {}, but the output clips or rounds colours: up to {} off; "
         "a lower exposure or finer colours help",
         group_digits(n_vertices), count, steps(options.tolerance), steps(best.max_bound));
+  const std::string left = std::isfinite(best.max_bound)
+                               ? fmt::format("errors up to {}", steps(best.max_bound))
+                               : "errors without a bound";
+  if (!selection.is_certified && selection.baked.certificate && selection.baked.certificate->is_out_of_time)
+    return fmt::format(
+        "not decided in {:g} s: {} vertices leave {} where {} is asked; with more time cutting goes on",
+        options.max_seconds, count, left, steps(options.tolerance));
   if (!selection.is_certified)
-    return fmt::format("per-pixel lighting is needed: even {} vertices leave up to {} where {} is asked",
-                       count, steps(best.max_bound), steps(options.tolerance));
+    return fmt::format("per-pixel lighting is needed: even {} vertices leave {} where {} is asked", count,
+                       left, steps(options.tolerance));
   if (best.method == BakeMethod::adaptive)
     return fmt::format("{} → {} vertices for at most {} anywhere; per-pixel lighting is not needed",
                        group_digits(n_vertices), count, steps(best.max_bound));

@@ -19,8 +19,9 @@ constexpr double near_share = 1e-4;
 
 /// Camera at `eye` that looks along `forward` (unit).
 Camera aim(const glm::dvec3& eye, const glm::dvec3& forward, double distance, float vertical_fov_rad) {
+  // Straight down or up as from an eye that is a little towards +z of what it sees.
   const bool is_vertical = std::abs(forward.y) > 0.9999;
-  const glm::dvec3 up = is_vertical ? glm::dvec3(0, 0, 1) : glm::dvec3(0, 1, 0);
+  const glm::dvec3 up = is_vertical ? glm::dvec3(0, 0, forward.y < 0 ? -1 : 1) : glm::dvec3(0, 1, 0);
   const glm::dvec3 right = glm::normalize(glm::cross(forward, up));
   Camera camera;
   camera.vertical_fov_rad = vertical_fov_rad;

@@ -23,15 +23,24 @@
 namespace lambake {
 namespace {
 
-/// Bytes of a colour in COLOR_0 as 16 bit, the default.
-constexpr std::size_t u16_color = 8;
-
 /// A way to bake, and what it is called.
 struct Variant {
   std::string method, name;
-  std::function<BakedColors(const Scene&)> bake;
-  std::size_t color_bytes = u16_color;
+  std::function<BakedColors(const Scene&, const ColorOutput&)> bake;
+  ColorStorage color = ColorStorage::u16;  ///< The default of glTF.
 };
+
+std::size_t bytes_of(ColorStorage color) {
+  switch (color) {
+    case ColorStorage::u8:
+      return 4;
+    case ColorStorage::u16:
+      return 8;
+    case ColorStorage::f32:
+      return 12;
+  }
+  return 0;
+}
 
 BakedColors bake_with_normals(const Scene& scene, const std::function<VertexNormals(const Mesh&)>& normals) {
   Scene other = scene;
@@ -39,19 +48,14 @@ BakedColors bake_with_normals(const Scene& scene, const std::function<VertexNorm
   return bake(other, {.method = BakeMethod::sample});
 }
 
-/// `sample`, its linear colours clamped to [0,1] and rounded to 1/steps, as COLOR_0 of a glTF file keeps
-/// them.
-BakedColors bake_stored(const Scene& scene, float steps) {
-  BakedColors baked = bake(scene, {.method = BakeMethod::sample});
-  const auto stored = [steps](float x) { return std::round(std::clamp(x, 0.0f, 1.0f) * steps) / steps; };
-  for (LinearRgb& c : baked.colors) c = {stored(c.r), stored(c.g), stored(c.b)};
-  return baked;
-}
-
 /// @param max_seconds  for methods that cut until they are done.
 std::vector<Variant> variants(double max_seconds) {
   const auto with = [](const BakeOptions& options) {
-    return [options](const Scene& scene) { return bake(scene, options); };
+    return [options](const Scene& scene, const ColorOutput& output) {
+      BakeOptions how = options;
+      how.output = output;
+      return bake(scene, how);
+    };
   };
   // What matters most first: the budget may end before the last.
   std::vector<Variant> all = {{"sample", "", with({.method = BakeMethod::sample})},
@@ -65,8 +69,9 @@ std::vector<Variant> variants(double max_seconds) {
   all.push_back({"least-squares", "", with({.method = BakeMethod::least_squares})});
   all.push_back({"average", "", with({.method = BakeMethod::average})});
   const auto with_normals = [&](const char* name, const std::function<VertexNormals(const Mesh&)>& normals) {
-    all.push_back({"sample", fmt::format("normals {}", name),
-                   [normals](const Scene& scene) { return bake_with_normals(scene, normals); }});
+    all.push_back(
+        {"sample", fmt::format("normals {}", name),
+         [normals](const Scene& scene, const ColorOutput&) { return bake_with_normals(scene, normals); }});
   };
   for (const auto& [weight, name] : {std::pair{NormalWeight::angle, "angle"},
                                      {NormalWeight::area, "area"},
@@ -74,12 +79,9 @@ std::vector<Variant> variants(double max_seconds) {
                                      {NormalWeight::max, "max"}})
     with_normals(name, [weight = weight](const Mesh& mesh) { return vertex_normals(mesh, weight); });
   with_normals("robust", robust_normals);
-  const auto stored = [](float steps) {
-    return [steps](const Scene& scene) { return bake_stored(scene, steps); };
-  };
-  all.push_back({"sample", "stored as u8", stored(255), 4});
-  all.push_back({"sample", "stored as u16", stored(65535), u16_color});
-  all.push_back({"sample", "stored as f32", with({.method = BakeMethod::sample}), 12});
+  const auto sample = with({.method = BakeMethod::sample});
+  all.push_back({"sample", "stored as u8", sample, ColorStorage::u8});
+  all.push_back({"sample", "stored as f32", sample, ColorStorage::f32});
   add_adaptive(2);
   add_adaptive(4);
   for (const int levels : {1, 2})
@@ -123,21 +125,27 @@ class ThreadLimit {
   std::size_t before_;
 };
 
-MethodRun measure_method(const Scene& scene, const Variant& variant, double seconds) {
+/// @returns nothing if the method was ended before it was done.
+std::optional<MethodRun> measure_method(const Scene& scene, const Variant& variant, const ColorOutput& output,
+                                        double seconds) {
   MethodRun run;
   run.method = variant.method;
   run.variant = variant.name;
   BakedColors baked;
-  const auto work = [&] { baked = variant.bake(scene); };
+  const auto work = [&] { baked = variant.bake(scene, output); };
+  const auto is_done = [&] { return !baked.certificate || !baked.certificate->is_out_of_time; };
   run.all_threads = measure_time(work, seconds / 2);
+  if (!is_done()) return std::nullopt;
   {
     const ThreadLimit one(1);
     run.one_thread = measure_time(work, seconds / 2);
   }
+  if (!is_done()) return std::nullopt;
+  if (!baked.certificate) take_stored_colors(scene, output, baked);
   const Mesh& mesh = mesh_of(scene, baked);
   run.n_vertices = mesh.n_vertices();
   run.n_triangles = mesh.n_triangles();
-  run.bytes = stored_bytes(mesh, variant.color_bytes);
+  run.bytes = stored_bytes(mesh, bytes_of(variant.color));
   const SurfaceError error = surface_error(scene, baked, ErrorSpace::display);
   run.rmse = error.rmse;
   run.max_sampled = error.max_sampled;
@@ -217,18 +225,25 @@ ChartRun run_chart(const Scene& scene, const ChartRunOptions& options) {
   // For the repeats of each thing measured; errors, computed once, come on top.
   const double slice = options.budget_seconds / 80, frame_slice = options.budget_seconds / 20;
 
+  const auto output_of = [&](ColorStorage color) {
+    return options.output ? options.output(color) : ColorOutput{};
+  };
   for (const Variant& variant : variants(options.budget_seconds / 8)) {
     const bool is_asked = options.methods.empty() || std::find(options.methods.begin(), options.methods.end(),
                                                                variant.method) != options.methods.end();
     if (!is_asked) continue;
     const std::string name = variant.method + (variant.name.empty() ? "" : ", " + variant.name);
-    if (budget.allows(name, methods_until, run.left_out))
-      run.methods.push_back(measure_method(scene, variant, slice));
+    if (!budget.allows(name, methods_until, run.left_out)) continue;
+    if (std::optional<MethodRun> method = measure_method(scene, variant, output_of(variant.color), slice))
+      run.methods.push_back(std::move(*method));
+    else
+      run.left_out.push_back(name);
   }
 
   if (options.methods.empty() && budget.allows("auto", auto_until, run.left_out)) {
-    const Selection selection =
-        select_method(scene, {.tolerance = 1.0 / 255, .max_seconds = options.budget_seconds / 8});
+    const Selection selection = select_method(scene, {.tolerance = 1.0 / 255,
+                                                      .max_seconds = options.budget_seconds / 8,
+                                                      .output = output_of(ColorStorage::u16)});
     run.verdict = selection.sentence;
     run.chosen_method = name_of(selection.trials[selection.chosen].method);
   }

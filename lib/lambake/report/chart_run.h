@@ -2,18 +2,21 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "lambake/bake/color_output.h"
 #include "lambake/core/progress.h"
+#include "lambake/io/color_storage.h"
 #include "lambake/report/timing.h"
 #include "lambake/scene/scene.h"
 
 namespace lambake {
 
-/// One way to bake, measured. Errors are against the scene's own per-fragment light, on the surface and on
-/// screen.
+/// One way to bake, measured. Errors are of what a file of the result shows, against the scene's own
+/// per-fragment light, on the surface and on screen.
 struct MethodRun {
   std::string method;   ///< As on the command line: "sample".
   std::string variant;  ///< What distinguishes it within the method: "normals area"; may be empty.
@@ -58,6 +61,8 @@ struct ChartRunOptions {
   std::vector<std::string> methods{};  ///< Names of methods to run; empty: all of chart_methods().
   double budget_seconds = 60;          ///< Nothing new is begun after it; methods take at most half of it.
   Camera camera{};                     ///< For the frames.
+  /// What a file makes of colours that it stores so: errors are of what it shows. None: exactly the colours.
+  std::function<ColorOutput(ColorStorage)> output{};
   Progress progress{};
 };
 
@@ -65,7 +70,7 @@ struct ChartRunOptions {
 std::vector<std::string> chart_methods();
 
 /// Measures time against error for every method, then frames and lights. Times are medians of repeats; the
-/// errors are the same on every machine.
+/// errors are the same on every machine: methods that the budget ends before they are done are left out.
 /// @param scene  with normals (V). @throws InvalidOption for an unknown method or a budget that is not > 0.
 ChartRun run_chart(const Scene& scene, const ChartRunOptions& options);
 
