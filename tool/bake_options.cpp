@@ -10,6 +10,7 @@
 #include "lambake/io/file_extension.h"
 #include "lambake/io/gltf.h"
 #include "lambake/io/ply_write.h"
+#include "lambake/report/json_parts.h"
 #include "options.h"
 
 namespace lambake::tool {
@@ -148,35 +149,21 @@ BakedScene bake_scene(const Scene& scene, const BakeMethodOptions& options, Bake
 }
 
 void add_method_json(nlohmann::ordered_json& json, const BakedScene& result) {
-  const auto finite_or_null = [](double x) {
-    return std::isfinite(x) ? nlohmann::ordered_json(x) : nlohmann::ordered_json(nullptr);
-  };
   if (const std::optional<Certificate>& c = result.baked.certificate) {
     constexpr double deg_per_rad = 57.29577951308232;
     json["certificate"] = {{"tolerance", result.tolerance},
                            {"certified", c->is_certified},
-                           {"max_bound", finite_or_null(c->max_bound)},
+                           {"max_bound", c->max_bound},
                            {"open_triangles", c->open_triangles},
                            {"smallest_angle_deg_before", c->smallest_angle_before * deg_per_rad},
                            {"smallest_angle_deg_after", c->smallest_angle_after * deg_per_rad}};
   }
   if (!result.selection) return;
-  nlohmann::ordered_json trials = nlohmann::ordered_json::array();
-  for (const MethodTrial& t : result.selection->trials)
-    trials.push_back({{"method", name_of(t.method)},
-                      {"vertices", t.n_vertices},
-                      {"triangles", t.n_triangles},
-                      {"bytes", t.bytes},
-                      {"seconds", t.seconds},
-                      {"rmse", finite_or_null(t.rmse)},
-                      {"max_sampled", finite_or_null(t.max_found)},
-                      {"max_bound", finite_or_null(t.max_bound)},
-                      {"certified", t.is_certified}});
   json["auto"] = {{"verdict", result.selection->sentence},
                   {"method", name_of(result.selection->trials[result.selection->chosen].method)},
                   {"certified", result.selection->is_certified},
                   {"tolerance", result.tolerance},
-                  {"trials", trials}};
+                  {"trials", trials_json(result.selection->trials)}};
 }
 
 void add_output_options(CLI::App& command, OutputOptions& options) {

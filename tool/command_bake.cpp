@@ -7,11 +7,11 @@
 
 #include "bake_options.h"
 #include "commands.h"
-#include "json_text.h"
 #include "lambake/core/error.h"
 #include "lambake/io/file_extension.h"
 #include "lambake/io/gltf.h"
 #include "lambake/io/ply_write.h"
+#include "lambake/report/json_parts.h"
 #include "options.h"
 
 namespace lambake::tool {
@@ -87,7 +87,7 @@ int bake_and_write(const BakeCommand& command) {
                        : "no bound to how far it is");
   }
   json["findings"] = findings_json(findings);
-  json["seconds"] = seconds_json(stopwatch);
+  json["seconds"] = seconds_json(stopwatch.seconds());
   if (command.scene.json) print_result("{}\n", json_text(json));
   return 0;
 }

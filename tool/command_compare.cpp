@@ -7,7 +7,6 @@
 
 #include "bake_options.h"
 #include "commands.h"
-#include "json_text.h"
 #include "lambake/core/error.h"
 #include "lambake/core/version.h"
 #include "lambake/io/image_file.h"
@@ -227,6 +226,7 @@ int compare_and_write(const CompareCommand& command, const std::string& command_
   stopwatch.lap("bound");
   if (result.selection) {
     comparison.verdict = result.selection->sentence;
+    comparison.tolerance_space = how.tolerance_space;
     comparison.trials = result.selection->trials;
   }
   baked.colors = computed;

@@ -4,9 +4,9 @@
 #include <memory>
 
 #include "commands.h"
-#include "json_text.h"
 #include "lambake/core/bounds.h"
 #include "lambake/geometry/defects.h"
+#include "lambake/report/json_parts.h"
 #include "options.h"
 
 namespace lambake::tool {

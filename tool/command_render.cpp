@@ -6,10 +6,10 @@
 
 #include "bake_options.h"
 #include "commands.h"
-#include "json_text.h"
 #include "lambake/core/error.h"
 #include "lambake/io/image_file.h"
 #include "lambake/render/shade.h"
+#include "lambake/report/json_parts.h"
 #include "options.h"
 
 namespace lambake::tool {
@@ -62,7 +62,7 @@ int render_and_write(const RenderCommand& command) {
     json["lights"] = scene.lights.size();
     json["outputs"] = command.outputs;
     json["findings"] = findings_json(loaded.file.findings);
-    json["seconds"] = seconds_json(stopwatch);
+    json["seconds"] = seconds_json(stopwatch.seconds());
     print_result("{}\n", json_text(json));
   }
   return 0;

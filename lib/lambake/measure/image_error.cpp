@@ -83,25 +83,27 @@ ImageError compare_pictures(const Picture& test, const Picture& reference, const
     largest_of_pixels.push_back(static_cast<float>(largest));
   }
   set_means(error, sums);
-  error.p99 = percentile_99(largest_of_pixels);
+  error.p99 = std::min(error.max, percentile_99(largest_of_pixels));  // Which are rounded to float.
   return error;
 }
 
 ImageError combine(const std::vector<ImageError>& views) {
   ImageError all;
   Sums sums;
-  for (const ImageError& view : views) {
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const ImageError& view = views[i];
     const double n = 3.0 * static_cast<double>(view.pixels) - static_cast<double>(view.nonfinite);
     sums.squares += view.rmse * view.rmse * n;
     sums.magnitudes += view.mae * n;
     sums.differences += view.mean * n;
     sums.samples += n;
-    if (view.max > all.max) all.max = view.max, all.max_x = view.max_x, all.max_y = view.max_y;
+    if (view.max > all.max)
+      all.max = view.max, all.max_x = view.max_x, all.max_y = view.max_y, all.max_view = i;
     all.p99 = std::max(all.p99, view.p99);
     all.pixels += view.pixels;
     all.pixels_over_1_255 += view.pixels_over_1_255;
     all.nonfinite += view.nonfinite;
-    for (std::size_t i = 0; i < all.histogram.size(); ++i) all.histogram[i] += view.histogram[i];
+    for (std::size_t k = 0; k < all.histogram.size(); ++k) all.histogram[k] += view.histogram[k];
   }
   set_means(all, sums);
   return all;

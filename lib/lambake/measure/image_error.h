@@ -20,6 +20,7 @@ struct ImageError {
   double mean = 0;                     ///< Σ d / N, signed: test − reference.
   double max = 0;                      ///< max |d|.
   std::uint32_t max_x = 0, max_y = 0;  ///< The pixel of `max`: the first in reading order.
+  std::size_t max_view = 0;            ///< The view that it is in, of those taken together.
   double p99 = 0;                      ///< 99th percentile of the pixels' largest channel difference.
   double psnr_db = 0;                  ///< 20·log10(1 / rmse); infinity when rmse is 0.
   std::size_t pixels = 0;              ///< Compared.

@@ -48,7 +48,7 @@ std::vector<LightShare> light_shares(const Scene& scene) {
   std::vector<LightShare> shares(n_lights);
   if (mesh.normals.empty()) return shares;
   constexpr std::size_t budget = 4'000'000;
-  const std::size_t stride = std::max<std::size_t>(1, n_triangles * n_lights / budget);
+  const std::size_t stride = std::max<std::size_t>(1, (n_triangles * n_lights + budget - 1) / budget);
 
   parallel_blocks(n_lights, 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {

@@ -15,9 +15,9 @@ struct MethodTrial {
   std::size_t n_vertices = 0, n_triangles = 0;
   std::size_t bytes = 0;      ///< Of positions, normals, colours (u16) and indices in a file.
   double seconds = 0;         ///< To bake; measuring not counted.
-  double rmse = 0;            ///< On screen.
-  double max_found = 0;       ///< On screen, sampled.
-  double max_bound = 0;       ///< On screen, certified.
+  double rmse = 0;            ///< In the space of the tolerance, as the next two.
+  double max_found = 0;       ///< Sampled.
+  double max_bound = 0;       ///< Certified.
   bool is_certified = false;  ///< max_bound <= tolerance.
 };
 

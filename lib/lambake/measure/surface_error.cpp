@@ -109,10 +109,10 @@ class TriangleError {
     return parts;
   }
 
-  /// The light whose share of the error at `b` is the largest.
-  std::uint32_t worst_light(const glm::dvec3& b) const {
+  /// The light whose share of the error at `b` is the largest; none where no light reaches the triangle.
+  std::optional<std::uint32_t> worst_light(const glm::dvec3& b) const {
     double worst = -1;
-    std::uint32_t light = 0;
+    std::optional<std::uint32_t> light;
     for (const std::uint32_t& i : lights_) {
       const std::span<const std::uint32_t> one(&i, 1);
       const auto& all = surface_.scene().lights;

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <optional>
 #include <vector>
 
 #include "lambake/bake/bake.h"
@@ -17,9 +18,9 @@ struct SurfacePlace {
   std::uint32_t triangle = 0;     ///< Of the mesh that carries the colours.
   std::uint32_t source_face = 0;  ///< The file's face.
   glm::dvec3 barycentrics{1, 0, 0};
-  glm::dvec3 position{0};   ///< World space.
-  double error = 0;         ///< |G − F| of the worst channel.
-  std::uint32_t light = 0;  ///< The light that contributes most to it.
+  glm::dvec3 position{0};                ///< World space.
+  double error = 0;                      ///< |G − F| of the worst channel.
+  std::optional<std::uint32_t> light{};  ///< The light that contributes most to it; none where none reaches.
 };
 
 /// The difference of per-vertex and per-fragment light as a function on the surface, by area; no camera in

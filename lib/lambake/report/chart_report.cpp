@@ -218,9 +218,7 @@ std::string chart_json(const ChartRun& run) {
          {"seconds",
           {{"one_thread", timing_json(m.one_thread)}, {"all_threads", timing_json(m.all_threads)}}},
          {"surface_display",
-          {{"rmse", m.rmse},
-           {"max_sampled", m.max_sampled},
-           {"max_bound", std::isfinite(m.max_bound) ? Json(m.max_bound) : Json(nullptr)}}}});
+          {{"rmse", m.rmse}, {"max_sampled", m.max_sampled}, {"max_bound", m.max_bound}}}});
   json["pictures"] = Json::array();
   for (const FrameRun& f : run.frames)
     json["pictures"].push_back(

@@ -33,7 +33,8 @@ struct Comparison {
   /// Certified: |G − F| is nowhere on the surface above it. Infinite where a light lies on the surface; none
   /// where it was not asked for.
   std::optional<double> max_bound_linear, max_bound_display;
-  ErrorShares shares;                ///< What interpolation, clipping and quantisation make of it.
+  ErrorShares shares;  ///< What interpolation, clipping and quantisation make of it.
+  ErrorSpace tolerance_space = ErrorSpace::display;  ///< Of `trials`.
   std::vector<MethodTrial> trials;   ///< What the methods would cost and leave; none where one was asked for.
   std::string verdict;               ///< One sentence; empty: the page makes one from the numbers.
   Picture per_vertex, per_fragment;  ///< Of the first view.

@@ -1,6 +1,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "lambake/report/json_parts.h"
 #include "lambake/report/report.h"
 
 namespace lambake {
@@ -8,44 +9,35 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// JSON has no infinity and no NaN: docs/report.schema.json says what null means for each key.
-Json finite_or_null(double value) {
-  return std::isfinite(value) ? Json(value) : Json(nullptr);
-}
-
 Json image_json(const ImageError& e) {
-  return {{"rmse", finite_or_null(e.rmse)},
-          {"mae", finite_or_null(e.mae)},
-          {"mean", finite_or_null(e.mean)},
-          {"max", finite_or_null(e.max)},
+  return {{"rmse", e.rmse},
+          {"mae", e.mae},
+          {"mean", e.mean},
+          {"max", e.max},
           {"max_pixel", {e.max_x, e.max_y}},
-          {"psnr_db", finite_or_null(e.psnr_db)},
-          {"p99", finite_or_null(e.p99)},
+          {"max_view", e.max_view},
+          {"psnr_db", e.psnr_db},
+          {"p99", e.p99},
           {"pixels", e.pixels},
           {"pixels_over_1_255", e.pixels_over_1_255},
           {"nonfinite_samples", e.nonfinite}};
 }
 
 Json surface_json(const SurfaceError& e, const std::optional<double>& max_bound) {
-  Json json = {{"rmse", finite_or_null(e.rmse)},
-               {"mae", finite_or_null(e.mae)},
-               {"mean", finite_or_null(e.mean)},
-               {"max_sampled", finite_or_null(e.max_sampled)}};
-  if (max_bound) json["max_bound"] = finite_or_null(*max_bound);
-  json["area"] = finite_or_null(e.area);
+  Json json = {{"rmse", e.rmse}, {"mae", e.mae}, {"mean", e.mean}, {"max_sampled", e.max_sampled}};
+  if (max_bound) json["max_bound"] = *max_bound;
+  json["area"] = e.area;
   return json;
 }
 
 Json place_json(const SurfacePlace& place) {
-  const auto vector = [](const glm::dvec3& v) {
-    return Json{finite_or_null(v.x), finite_or_null(v.y), finite_or_null(v.z)};
-  };
+  const auto vector = [](const glm::dvec3& v) { return Json{v.x, v.y, v.z}; };
   return {{"face", place.source_face},
           {"triangle", place.triangle},
           {"barycentrics", vector(place.barycentrics)},
           {"position", vector(place.position)},
-          {"error", finite_or_null(place.error)},
-          {"light", place.light}};
+          {"error", place.error},
+          {"light", place.light ? Json(*place.light) : Json(nullptr)}};
 }
 
 }  // namespace
@@ -59,17 +51,8 @@ std::string report_json(const Comparison& c) {
   json["normals"] = c.normals;
   if (!c.verdict.empty()) json["verdict"] = c.verdict;
   if (!c.trials.empty()) {
-    json["trials"] = Json::array();
-    for (const MethodTrial& t : c.trials)
-      json["trials"].push_back({{"method", name_of(t.method)},
-                                {"vertices", t.n_vertices},
-                                {"triangles", t.n_triangles},
-                                {"bytes", t.bytes},
-                                {"seconds", t.seconds},
-                                {"rmse", finite_or_null(t.rmse)},
-                                {"max_sampled", finite_or_null(t.max_found)},
-                                {"max_bound", finite_or_null(t.max_bound)},
-                                {"certified", t.is_certified}});
+    json["tolerance_space"] = c.tolerance_space == ErrorSpace::linear ? "linear" : "display";
+    json["trials"] = trials_json(c.trials);
   }
   json["vertices"] = c.n_vertices;
   json["triangles"] = c.n_triangles;
@@ -88,25 +71,18 @@ std::string report_json(const Comparison& c) {
   json["surface"] = {{"linear", surface_json(c.surface_linear, c.max_bound_linear)},
                      {"display", surface_json(c.surface_display, c.max_bound_display)}};
   json["heat_map_scale"] = heat_map_scale(c.per_vertex, c.per_fragment, c.visibility);
-  json["error_shares"] = {{"interpolation", finite_or_null(c.shares.interpolation)},
-                          {"clipping", finite_or_null(c.shares.clipping.value_or(NAN))},
-                          {"quantisation", finite_or_null(c.shares.quantisation.value_or(NAN))}};
+  json["error_shares"] = {{"interpolation", c.shares.interpolation},
+                          {"clipping", c.shares.clipping.value_or(NAN)},
+                          {"quantisation", c.shares.quantisation.value_or(NAN)}};
   const std::vector<SurfacePlace>& worst = c.surface_display.worst;
   json["max_at"] = worst.empty() ? Json(nullptr) : place_json(worst.front());
   json["worst"] = Json::array();
   for (const SurfacePlace& place : worst) json["worst"].push_back(place_json(place));
   json["clipped_vertices"] = c.clipped_vertices;
   json["pixels_seen_from_behind"] = c.seen_from_behind;
-  json["findings"] = Json::array();
-  for (const Finding& f : c.findings)
-    json["findings"].push_back({{"code", f.code}, {"count", f.count}, {"text", f.text}});
-  json["seconds"] = Json::object();
-  for (const auto& [stage, seconds] : c.seconds) {
-    Json& sum = json["seconds"][stage];
-    sum = (sum.is_null() ? 0.0 : sum.get<double>()) + seconds;
-  }
-  // Names of files and lights need not be UTF-8; JSON is: other bytes become U+FFFD.
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+  json["findings"] = findings_json(c.findings);
+  json["seconds"] = seconds_json(c.seconds);
+  return json_text(json) + '\n';
 }
 
 }  // namespace lambake

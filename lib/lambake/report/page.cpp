@@ -330,7 +330,12 @@ std::string shares_section(const Comparison& c) {
 std::string trials_section(const Comparison& c) {
   if (c.trials.empty()) return {};
   std::string html =
-      "<section aria-labelledby=\"trials\">\n<h2 id=\"trials\">The methods that were tried</h2>\n<table "
+      std::string(
+          "<section aria-labelledby=\"trials\">\n<h2 id=\"trials\">The methods that were tried</h2>\n") +
+      (c.tolerance_space == ErrorSpace::linear
+           ? "<p>Differences of linear values, as the tolerance is meant.</p>\n"
+           : "") +
+      "<table "
       "class=\"table "
       "stacked\">\n<thead><tr><th scope=\"col\">Method</th><th scope=\"col\" class=\"n\">Vertices</th><th "
       "scope=\"col\" "
@@ -387,7 +392,7 @@ std::string worst_section(const Comparison& c) {
         "<td data-label=\"Barycentrics\">{}</td><td data-label=\"Position\">{}</td><td "
         "data-label=\"Light\">{}</td></tr>\n",
         steps_of_255(place.error), faces, vector(place.barycentrics), vector(place.position),
-        place.light < c.light_names.size() ? escape_html(c.light_names[place.light]) : "–");
+        place.light && *place.light < c.light_names.size() ? escape_html(c.light_names[*place.light]) : "–");
   }
   return html + "</tbody>\n</table>\n</section>\n";
 }
