@@ -76,7 +76,8 @@ struct BakeOptions {
 
 /// Bakes the scene's lights into vertex colours.
 /// @param scene  mesh with normals (V), at least one material.
-/// @throws InvalidScene if the mesh has no normals where the method needs them.
+/// @throws InvalidScene if the mesh has no normals where the method needs them, or would get too many
+/// triangles; InvalidOption for a tolerance, weight or number of levels out of its range.
 BakedColors bake(const Scene& scene, const BakeOptions& options);
 
 /// The mesh that `baked` belongs to.

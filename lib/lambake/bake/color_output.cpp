@@ -1,7 +1,6 @@
 #include "lambake/bake/color_output.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 

@@ -1,7 +1,6 @@
 #include "lambake/bake/lamp_contact.h"
 
 #include <algorithm>
-#include <cmath>
 #include <tuple>
 
 #include "lambake/core/parallel.h"

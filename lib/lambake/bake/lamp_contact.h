@@ -2,7 +2,6 @@
 
 #include <cstddef>
 #include <span>
-#include <vector>
 
 #include "lambake/core/color.h"
 #include "lambake/core/finding.h"

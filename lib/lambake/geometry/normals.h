@@ -2,7 +2,6 @@
 
 #include <cstddef>
 #include <glm/glm.hpp>
-#include <string_view>
 #include <vector>
 
 #include "lambake/scene/mesh.h"

@@ -15,7 +15,7 @@ namespace lambake {
 /// @throws IoError; InvalidOption for another extension.
 void write_picture(const std::string& path, const Picture& picture);
 
-/// Bytes of a PNG file of the picture, for embedding.
+/// Bytes of a PNG file of the picture, for embedding. @throws IoError.
 std::string encode_png(const Picture& picture);
 
 /// "image/png" or "image/jpeg" by how a file begins; otherwise "".

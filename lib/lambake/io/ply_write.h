@@ -15,7 +15,8 @@ struct PlyWriteOptions {
 };
 
 /// Writes a binary little-endian PLY, whole or not at all: positions, normals, texture coordinates if any,
-/// and colour = base colour ⊗ baked light + emission (textures are sampled at the vertex). @throws IoError.
+/// and colour = base colour ⊗ baked light + emission (textures are sampled at the vertex).
+/// @throws IoError; InvalidOption for u16; InvalidScene if `baked` does not fit the scene.
 WrittenColors write_ply_file(const std::string& path, const Scene& scene, const BakedColors& baked,
                              const PlyWriteOptions& options);
 

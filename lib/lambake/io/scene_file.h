@@ -28,8 +28,7 @@ struct ReadOptions {
 
 /// Reads .ply .obj .off .stl .om .gltf .glb, by extension (any case).
 /// @throws IoError (path, place, expected, found) if the file is not sound; InvalidScene if it is but holds
-/// no
-///         scene that can be processed.
+/// no scene that can be processed; InvalidOption for another extension or if there is no such scene.
 SceneFile read_scene_file(const std::string& path, const ReadOptions& options = {});
 
 }  // namespace lambake

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>
@@ -8,7 +7,6 @@
 #include <vector>
 
 #include "lambake/bake/bake.h"
-#include "lambake/measure/image_error.h"
 #include "lambake/scene/scene.h"
 
 namespace lambake {
@@ -37,6 +35,7 @@ struct SurfaceError {
 
 /// @param baked  of `scene`. @param space linear, or display (sRGB-encoded, clamped to [0,1]).
 /// Adaptive quadrature; deterministic for any number of threads.
+/// @throws InvalidScene if `baked` does not fit the scene, or the scene has no normals.
 SurfaceError surface_error(const Scene& scene, const BakedColors& baked, ErrorSpace space);
 
 /// What a comparison tells of stored colours.

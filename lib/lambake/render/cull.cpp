@@ -1,7 +1,6 @@
 #include "lambake/render/cull.h"
 
 #include <algorithm>
-#include <array>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "lambake/render/cull.cpp"

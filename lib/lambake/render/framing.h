@@ -14,10 +14,10 @@ namespace lambake {
 /// @throws InvalidScene if float has no place for it: points near float's largest.
 Camera frame(std::span<const glm::vec3> points, float aspect);
 
-/// `n_views` such cameras evenly around the model; the first is frame().
+/// `n_views` such cameras evenly around the model; the first is frame(). Errors as of frame().
 std::vector<Camera> frame_around(std::span<const glm::vec3> points, float aspect, std::size_t n_views);
 
-/// A perspective camera at `eye` looking at `target`, y up (z up if it looks along y).
+/// A perspective camera at `eye` looking at `target`, y up (if it looks along y, −z down and z up).
 /// @throws InvalidOption if eye and target are equal or not finite, or the angle is not in (0, π).
 Camera look_at(const glm::vec3& eye, const glm::vec3& target, float vertical_fov_rad);
 

@@ -21,9 +21,8 @@ struct RayHit {
 RayHit hit_triangle(const PixelRay& ray, const glm::vec3& p0, const glm::vec3& p1, const glm::vec3& p2);
 
 /// The same for n pixels of row y from x on, in vectors and to the last bit.
-/// @param triangles     n, or no_triangle: weights 0, depth infinity. n is a multiple of 16, and one more may
-/// be
-///                      read.
+/// @param triangles     n, or no_triangle: weights 0, depth infinity. n is a multiple of 16, and one more
+///                      may be read.
 /// @param barycentrics  n, written. @param depths  n, written.
 void hit_row(const Mesh& mesh, const ViewTransform& view, std::uint32_t x, std::uint32_t y,
              const std::uint32_t* triangles, std::size_t n, glm::vec2* barycentrics, float* depths);

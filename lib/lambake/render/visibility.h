@@ -32,7 +32,8 @@ struct Visibility {
 
 /// @param scene   for the materials (sidedness, masks); its own mesh is not used.
 /// @param mesh    what is drawn: the scene's, or one made by baking.
-/// @param width,height  1 to 16384. @throws InvalidOption for another size or a camera out of its range.
+/// @param width,height  1 to 16384.
+/// @throws InvalidOption for another size or a camera out of its range; InvalidScene for 2^29 triangles.
 /// Vertices are snapped to 1/256 pixel. Deterministic for any number of threads.
 Visibility find_visibility(const Scene& scene, const Mesh& mesh, const Camera& camera, std::uint32_t width,
                            std::uint32_t height);
@@ -53,7 +54,7 @@ using TileVisitor = std::function<void(const VisibleTile&)>;
 
 /// The same, handed out tile by tile while it is in cache, for who needs it once: nothing of the size of the
 /// picture is written. `visit` is called once for each tile, from several threads at once, and must not run
-/// parallel loops of its own. Returns the number of pixels with a triangle.
+/// parallel loops of its own. Returns the number of pixels with a triangle. Errors as of find_visibility().
 std::size_t visit_visible_tiles(const Scene& scene, const Mesh& mesh, const Camera& camera,
                                 std::uint32_t width, std::uint32_t height, const TileVisitor& visit);
 

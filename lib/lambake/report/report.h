@@ -12,6 +12,7 @@ namespace lambake {
 std::string report_json(const Comparison& comparison);
 
 /// index.html: one self-contained page that opens from disk without a network.
+/// @throws IoError if its pictures cannot be encoded.
 std::string report_page(const Comparison& comparison);
 
 /// Signed heat map of test − reference, on screen (sRGB, clamped to [0,1]), of the channel with the largest

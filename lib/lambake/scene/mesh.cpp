@@ -52,6 +52,10 @@ std::vector<bool> used_materials(const Mesh& mesh, std::size_t n_materials) {
 void check_mesh(const Mesh& mesh, std::size_t n_materials) {
   const std::size_t n_vertices = mesh.n_vertices();
   const std::size_t n_triangles = mesh.n_triangles();
+  constexpr std::size_t most_vertices = std::size_t{1} << 31, most_triangles = (std::size_t{1} << 32) / 3;
+  if (n_vertices > most_vertices || n_triangles > most_triangles)
+    throw InvalidScene(fmt::format("mesh: expected at most {} vertices and {} triangles, found {} and {}",
+                                   most_vertices, most_triangles, n_vertices, n_triangles));
   const auto check_length = [](const char* name, std::size_t found, std::size_t expected) {
     if (found != 0 && found != expected)
       throw InvalidScene(fmt::format("mesh: {}: expected {} or no values, found {}", name, expected, found));

@@ -59,7 +59,8 @@ std::vector<std::uint32_t> vertex_materials(const Mesh& mesh);
 /// For each of `n_materials` whether a triangle is of it.
 std::vector<bool> used_materials(const Mesh& mesh, std::size_t n_materials);
 
-/// Throws InvalidScene if an array has not the length that its comment gives or an index is out of range.
+/// @throws InvalidScene if an array has not the length that its comment gives, an index is out of range, or
+/// there are more than 2^31 vertices or a third of 2^32 triangles, whose corners 32 bits could not number.
 void check_mesh(const Mesh& mesh, std::size_t n_materials);
 
 }  // namespace lambake

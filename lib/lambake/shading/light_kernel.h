@@ -42,6 +42,7 @@ PackedLights pack_lights(std::span<const Light> lights);
 ///                   lights only.
 /// @param normals    N unit vectors, or (0,0,0), which gets no light.
 /// @param out        N, overwritten.
+/// @throws InvalidOption if the lengths differ.
 void irradiance(const PackedLights& lights, std::span<const glm::vec3> positions,
                 std::span<const glm::vec3> normals, std::span<LinearRgb> out);
 

@@ -24,7 +24,7 @@ struct LightError {
 /// certified error, after the sRGB curve, adds up to at most `tolerance_display`; the rest is summed. Lights
 /// of other kinds are summed. Deterministic: the same bits for any number of threads and on any vector path.
 /// @param tolerance_display  in steps of the encoded range [0,1], e.g. 0.1/255; >= 0.
-/// @param positions, normals, out  as irradiance() takes them.
+/// @param positions, normals, out  as irradiance() takes them. Errors as of it.
 LightError irradiance_within(std::span<const Light> lights, double tolerance_display,
                              std::span<const glm::vec3> positions, std::span<const glm::vec3> normals,
                              std::span<LinearRgb> out);
