@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "io/mesh_folder.h"
 #include "lambake/core/bounds.h"
 #include "lambake/core/error.h"
 #include "lambake/io/scene_file.h"
@@ -51,18 +52,6 @@ std::vector<ManifestRow> read_manifest() {
   return rows;
 }
 
-/// What the refusal of a file says; a failure if it is read.
-std::string refusal_of(const std::string& path) {
-  try {
-    read_scene_file(path);
-  } catch (const IoError& error) {
-    EXPECT_EQ(error.exit_code(), 3);
-    return error.what();
-  }
-  ADD_FAILURE() << path << " was read";
-  return {};
-}
-
 TEST(MeshFile, EveryFileOfTheManifest_HasTheCountsOfTheManifest) {
   const std::vector<ManifestRow> rows = read_manifest();
   ASSERT_GT(rows.size(), 80u);
@@ -94,39 +83,6 @@ TEST(MeshFile, FilesOfTheManifestThatAreNoMesh_AreRefusedInOneLine) {
     }
   }
   EXPECT_EQ(n_refused, 7u);
-}
-
-class MeshFileTest : public testing::Test {
- protected:
-  MeshFileTest() { std::filesystem::create_directories(folder); }
-  ~MeshFileTest() override { std::filesystem::remove_all(folder); }
-
-  std::string write(const std::string& name, const std::string& bytes) {
-    const std::string path = (folder / name).string();
-    std::ofstream(path, std::ios::binary) << bytes;
-    return path;
-  }
-  SceneFile read(const std::string& name, const std::string& bytes) {
-    return read_scene_file(write(name, bytes));
-  }
-  // Tests may run at the same time.
-  std::filesystem::path folder =
-      std::filesystem::path(testing::TempDir()) /
-      (std::string("lambake_") + testing::UnitTest::GetInstance()->current_test_info()->name());
-};
-
-std::size_t count_of(const SceneFile& file, const std::string& code) {
-  std::size_t n = 0;
-  for (const Finding& finding : file.findings) n += finding.code == code ? finding.count : 0;
-  return n;
-}
-
-std::string ply(const std::string& vertex_properties, const std::string& face_properties,
-                std::size_t n_vertices, std::size_t n_faces, const std::string& body) {
-  return "ply\nformat ascii 1.0\nelement vertex " + std::to_string(n_vertices) +
-         "\nproperty float x\nproperty float y\nproperty float z\n" + vertex_properties + "element face " +
-         std::to_string(n_faces) + "\nproperty list uchar int vertex_indices\n" + face_properties +
-         "end_header\n" + body;
 }
 
 constexpr const char* triangle = "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
@@ -233,38 +189,6 @@ TEST_F(MeshFileTest, ObjWithAByteOrderMark_KeepsItsFirstVertex) {
   const SceneFile file = read("a.obj", "\xEF\xBB\xBFv 9 9 9\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 2 3 4\n");
   ASSERT_EQ(file.scene.mesh.n_vertices(), 4u);
   EXPECT_EQ(file.scene.mesh.positions[0], glm::vec3(9));
-}
-
-TEST_F(MeshFileTest, ObjMaterialNameInLatin1_BecomesUtf8) {
-  write("a.mtl", "newmtl K\xF6rper\nKd 1 0 0\n");
-  const SceneFile file =
-      read("a.obj", "mtllib a.mtl\nusemtl K\xF6rper\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
-  EXPECT_EQ(file.scene.materials[file.scene.mesh.material_of(0)].name, "K\u00F6rper");
-}
-
-TEST_F(MeshFileTest, DevicesThatAFileNames_AreNotRead) {
-  const SceneFile file =
-      read("a.obj", "mtllib /dev/zero\nmtllib /dev/zero\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
-  EXPECT_EQ(count_of(file, "missing_material_files"), 2u);
-}
-
-TEST_F(MeshFileTest, ObjMaterials_BecomeBaseColorsByFace) {
-  write("a.mtl", "newmtl red one\nKd 1 0 0\nmap_Kd -s 1 1 missing.png\nnewmtl grey\nKd 0.5 0.5 0.5\n");
-  const SceneFile file = read("a.obj",
-                              "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nusemtl red one\nf 1 2 3\n"
-                              "usemtl grey\nf 1 2 3\nusemtl none\nf 1 2 3\n");
-  const Scene& scene = file.scene;
-  ASSERT_EQ(scene.mesh.n_triangles(), 4u);
-  const auto color = [&](std::size_t t) { return scene.materials[scene.mesh.material_of(t)].base_color; };
-  EXPECT_EQ(color(0), (LinearRgb{1, 1, 1}));
-  EXPECT_EQ(color(1), (LinearRgb{1, 0, 0}));
-  EXPECT_NEAR(color(2).g, 0.2140f, 1e-4f);  // sRGB 0.5.
-  EXPECT_EQ(color(3), (LinearRgb{1, 1, 1}));
-  EXPECT_EQ(count_of(file, "unknown_materials"), 1u);
-  EXPECT_EQ(count_of(file, "unreadable_textures"), 1u);
-  EXPECT_EQ(count_of(file, "texture_options"), 1u);
-  // Faces of different material share no vertex.
-  EXPECT_EQ(scene.mesh.n_vertices(), 12u);
 }
 
 TEST_F(MeshFileTest, ObjLineContinuationsAndRelativeIndices_AreRead) {

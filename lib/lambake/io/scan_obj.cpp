@@ -103,13 +103,12 @@ class ObjScan {
   /// keyword.
   template <typename Visit>
   void for_each_line(Visit&& visit) {
-    constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
     blocks_.rewind();
     std::size_t line = 1;
     for (std::span<char> block; !(block = blocks_.next()).empty();) {
       join_continued_lines(block, joined_);
       std::string_view text(block.data(), block.size());
-      if (line == 1 && text.starts_with(byte_order_mark)) text.remove_prefix(byte_order_mark.size());
+      if (line == 1) text = without_byte_order_mark(text);
       TextCursor cursor(path_, text, '#', line);
       auto joined = joined_.begin();
       for (; cursor.skip_to_token(); cursor.next_line()) {
@@ -120,7 +119,7 @@ class ObjScan {
     }
   }
 
-  /// First pass: v, vt, vn, vc. Faces may name what comes behind them.
+  /// First pass: v, vt, vn, vc, mtllib. Faces may name what comes behind them.
   void scan_attributes() {
     for_each_line([this](TextCursor& cursor, std::string_view keyword) {
       if (keyword == "v") {
@@ -135,6 +134,8 @@ class ObjScan {
         ++n_face_lines_;
       } else if (keyword == "usemtl") {
         has_usemtl_ = true;
+      } else if (keyword == "mtllib") {
+        materials_.read_libraries(cursor.rest_of_line());
       }
     });
   }
@@ -187,7 +188,7 @@ class ObjScan {
     normals_.push_back(n);
   }
 
-  /// Second pass: f, usemtl, mtllib; the attributes before each line are counted for relative indices.
+  /// Second pass: f, usemtl; the attributes before each line are counted for relative indices.
   void scan_faces() {
     if (!texcoords_.empty() || !normals_.empty() || has_usemtl_) splitter_.emplace(n_vertices_);
     if (!texcoords_.empty()) file_.texcoords.assign(n_vertices_, glm::vec2(0));
@@ -207,12 +208,11 @@ class ObjScan {
         scan_face(cursor, material);
       } else if (keyword == "usemtl") {
         material = materials_.use(std::string(cursor.rest_of_line()));
-      } else if (keyword == "mtllib") {
-        materials_.read_library(std::string(cursor.rest_of_line()));
       } else if (keyword == "l" || keyword == "p") {
         ++n_lines_and_points_;
       } else {
-        constexpr std::string_view ignored[] = {"vc", "vp", "g", "o", "s", "mg", "lod", "usemap", "maplib"};
+        constexpr std::string_view ignored[] = {"vc", "vp",  "g",      "o",      "s",
+                                                "mg", "lod", "usemap", "maplib", "mtllib"};
         n_unknown += std::find(std::begin(ignored), std::end(ignored), keyword) == std::end(ignored);
       }
     });

@@ -414,10 +414,11 @@ class PlyScan {
     body_.tell_rest(file_.findings);
     if (!header_.has_linear_colors) decode_file_colors(file_.colors, file_.findings);
     if (corner_attributes_) corner_attributes_->finish();
+    FileTextures textures(path_, file_);
     for (const std::string& name : header_.texture_files) {
       Material material;
       material.name = utf8_of(name);
-      material.base_color_texture = add_file_texture(path_, name, file_);
+      material.base_color_texture = textures.use(name);
       file_.materials.push_back(material);
     }
     if (!file_.materials.empty()) file_.materials.emplace_back();  // For faces without one.

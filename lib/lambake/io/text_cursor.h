@@ -12,6 +12,12 @@
 
 namespace lambake {
 
+/// The text without the three bytes that some programs put in front of UTF-8.
+inline std::string_view without_byte_order_mark(std::string_view text) {
+  constexpr std::string_view mark = "\xEF\xBB\xBF";
+  return text.starts_with(mark) ? text.substr(mark.size()) : text;
+}
+
 /// A place in a text that is read token by token, strictly: whatever is not what was asked for throws IoError
 /// with the line. Lines end with LF, CR LF or CR.
 class TextCursor {
@@ -68,9 +74,9 @@ class TextCursor {
     while (at_ != end_ && !is_separator(*at_)) ++at_;
     return {begin, static_cast<std::size_t>(at_ - begin)};
   }
-  /// The rest of the line without blanks around it.
+  /// The rest of the line without blanks around it: a name, in which no character begins a comment.
   std::string_view rest_of_line() {
-    if (at_line_end()) return {};
+    while (at_ != end_ && is_blank(*at_)) ++at_;
     const char* const begin = at_;
     while (at_ != end_ && !is_newline(*at_)) ++at_;
     const char* last = at_;
