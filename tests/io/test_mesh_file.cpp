@@ -278,6 +278,7 @@ TEST_F(MeshFileTest, PlyLinesAndBytesBehindTheLastElement_AreTold) {
   const std::string text = ply("", "", 3, 1, "0 0 0\n1 0 0\n1 1 0\n3 0 1 2\n");
   EXPECT_EQ(count_of(read("a.ply", text), "lines_left_over"), 0u);
   EXPECT_EQ(count_of(read("a.ply", text + "3 0 1 2\n\n3 2 1 0\n"), "lines_left_over"), 2u);
+  EXPECT_EQ(count_of(read("a.ply", text.substr(0, text.size() - 1) + " 3\n"), "lines_left_over"), 1u);
   std::string binary =
       "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty double x\n"
       "property float y\nproperty float z\nelement face 1\n"
@@ -305,6 +306,43 @@ TEST_F(MeshFileTest, OffColors_AreWholeNumbersOrFloatsForTheWholeFile) {
   EXPECT_EQ(first_color("1 0 0", "0 0.5 0"), (LinearRgb{1, 0, 0}));
   EXPECT_EQ(first_color("255 0 0 255", "0 128 0 255"), (LinearRgb{1, 0, 0}));
   EXPECT_FLOAT_EQ(first_color("1 0 0", "0 128 0").r, srgb_decode(1.0f / 255.0f));
+}
+
+TEST_F(MeshFileTest, OpacitiesBehindColors_AreThoseOfTheVertices) {
+  const std::string off = "COFF\n3 1 0\n0 0 0 255 0 0 51\n1 0 0 255 0 0\n0 1 0 255 0 0 255\n3 0 1 2\n";
+  const std::string off_of_floats = "COFF\n3 1 0\n0 0 0 1 0 0 .2\n1 0 0 1 0 0\n0 1 0 1. 0 0 1\n3 0 1 2\n";
+  const std::string obj = "v 0 0 0 1 0 0 .2\nv 1 0 0 1 0 0\nv 0 1 0 1 0 0 1\nf 1 2 3\n";
+  const std::string obj_to_255 = "v 0 0 0 255 0 0 51\nv 1 0 0 255 0 0\nv 0 1 0 255 0 0 255\nf 1 2 3\n";
+  for (const SceneFile& file :
+       {read("a.off", off), read("b.off", off_of_floats), read("a.obj", obj), read("b.obj", obj_to_255)}) {
+    SCOPED_TRACE(file.format);
+    EXPECT_EQ(file.scene.mesh.opacities, (std::vector<float>{0.2f, 1, 1}));
+    EXPECT_EQ(file.scene.mesh.colors[2], (LinearRgb{1, 0, 0}));
+  }
+  const SceneFile faces =
+      read("a.off", "OFF\n3 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2 255 0 0 51\n3 2 1 0 0 0 0 255\n");
+  EXPECT_EQ(count_of(faces, "transparent_faces"), 1u);
+}
+
+TEST_F(MeshFileTest, OffCounts_MayBeOnLinesOfTheirOwnAndLeaveOutTheEdges) {
+  const std::string body = "7 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
+                    body_by_lines = "7\n0\n0\n1 0 0\n0 1 0\n3 0 1 2\n";
+  for (const std::string counts :
+       {"3 1 5\n", "3 1\n5\n", "3\n1\n# edges\n\n5\n", "3 1 5\n", "3 1\n", "3\n1\n"}) {
+    SCOPED_TRACE(counts);
+    EXPECT_EQ(read("a.off", "OFF\n" + counts + body).scene.mesh.positions[0], glm::vec3(7, 0, 0));
+  }
+  EXPECT_EQ(read("a.off", "OFF 3 1\n5\n" + body_by_lines).scene.mesh.positions[0], glm::vec3(7, 0, 0));
+  EXPECT_EQ(read("a.off", "OFF 3 1\n7.0\n0 0\n1 0 0\n0 1 0\n3 0 1 2\n").scene.mesh.positions[0],
+            glm::vec3(7, 0, 0));
+  EXPECT_NE(refusal_of(write("a.off", "OFF 3 1\n" + std::string(99, ' '))).find("expected vertex 1 of 3"),
+            std::string::npos);
+}
+
+TEST_F(MeshFileTest, OffLinesBehindTheLastFace_AreTold) {
+  const std::string text = "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+  EXPECT_EQ(count_of(read("a.off", text + "\n# end\n"), "lines_left_over"), 0u);
+  EXPECT_EQ(count_of(read("a.off", text + "3 2 1 0\n\n3 0 1 2\n"), "lines_left_over"), 2u);
 }
 
 TEST_F(MeshFileTest, OffAttributesBehindAComment_AreReadToo) {

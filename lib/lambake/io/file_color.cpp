@@ -4,7 +4,7 @@
 #include <bit>
 
 namespace lambake {
-void decode_file_colors(std::vector<LinearRgb>& colors, Findings& findings) {
+bool decode_file_colors(std::vector<LinearRgb>& colors, Findings& findings, ChannelNumbers numbers) {
   std::size_t n_non_finite = 0, n_outside = 0;
   float largest = 0;
   for (LinearRgb& c : colors) {
@@ -14,7 +14,7 @@ void decode_file_colors(std::vector<LinearRgb>& colors, Findings& findings) {
     }
     largest = std::max({largest, c.r, c.g, c.b});
   }
-  const bool counts_to_255 = largest > 2;
+  const bool counts_to_255 = numbers == ChannelNumbers::floats && largest > 2;
   const float scale = counts_to_255 ? 1.0f / 255.0f : 1.0f;
   // Neighbours often have the same colour, and the curve is dear.
   LinearRgb last_encoded{0, 0, 0}, last_linear{0, 0, 0};
@@ -42,6 +42,7 @@ void decode_file_colors(std::vector<LinearRgb>& colors, Findings& findings) {
   if (counts_to_255)
     add_finding(findings, "colors_to_255", colors.size(),
                 "colour[ is|s are] given as floats above 2; taken to count to 255");
+  return counts_to_255;
 }
 
 namespace {

@@ -165,6 +165,10 @@ class ObjScan {
       has_colors_ = true;
     }
     file_.colors.push_back({extra[0], extra[1], extra[2]});
+    if (n == 4) {
+      file_.opacities.resize(n_vertices_ - 1, opacity_not_given);
+      file_.opacities.push_back(extra[3]);
+    }
   }
 
   static LinearRgb scan_color(TextCursor& cursor) {
@@ -315,7 +319,9 @@ class ObjScan {
     }
     add_finding(file_.findings, "vertices_without_color", n_uncolored_,
                 "vert[ex has|ices have] no colour; white instead");
-    decode_file_colors(file_.colors, file_.findings);
+    if (!file_.opacities.empty()) file_.opacities.resize(n_vertices_, opacity_not_given);
+    if (decode_file_colors(file_.colors, file_.findings))
+      for (float& opacity : file_.opacities) opacity /= 255.0f;
     extend_to_copies(file_);
 
     splitter_.reset();

@@ -47,10 +47,7 @@ class AsciiBody {
   std::size_t remaining() const { return cursor_.remaining(); }
   std::size_t least_size(PlyType) const { return 2; }
   void tell_rest(Findings& findings) {
-    cursor_.next_line();
-    std::size_t n_lines = 0;
-    for (; cursor_.skip_to_token(); cursor_.next_line()) ++n_lines;
-    add_finding(findings, "lines_left_over", n_lines,
+    add_finding(findings, "lines_left_over", cursor_.count_lines(),
                 "line[|s] behind the last element of the header [is|are] not read");
   }
   std::string place() const { return fmt::format("line {}", cursor_.line()); }

@@ -67,6 +67,12 @@ class TextCursor {
     }
     return true;
   }
+  /// How many lines from here on have a token; moves to the end of the text.
+  std::size_t count_lines() {
+    std::size_t n = 0;
+    for (; skip_to_token(); next_line()) ++n;
+    return n;
+  }
   /// The token here; empty at the end of the line.
   std::string_view token() {
     if (at_line_end()) return {};
