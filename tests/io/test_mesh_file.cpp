@@ -288,6 +288,74 @@ TEST_F(MeshFileTest, PlyLinesAndBytesBehindTheLastElement_AreTold) {
   EXPECT_EQ(count_of(read("b.ply", binary + "12345"), "bytes_left_over"), 5u);
 }
 
+TEST_F(MeshFileTest, PlyTexturesOfOneName_AreOneImage) {
+  std::filesystem::copy_file(LAMBAKE_SOURCE_DIR "/tests/io/grey188.jpg", folder / "grey.jpg");
+  std::string text = ply("property float s\nproperty float t\n", "property int texnumber\n", 3, 1,
+                         "0 0 0 0 0\n1 0 0 1 0\n1 1 0 1 1\n3 0 1 2 1\n");
+  for (int i = 0; i < 3; ++i) text.insert(text.find("element vertex"), "comment TextureFile grey.jpg\n");
+  const Scene scene = read("a.ply", text).scene;
+  EXPECT_EQ(scene.images.size(), 1u);
+  EXPECT_EQ(scene.materials[scene.mesh.material_of(0)].base_color_texture, 0u);
+}
+
+TEST_F(MeshFileTest, TexcoordsThatAreNotFinite_AreZeroAndTold) {
+  const std::string of_vertices = "0 0 0 nan 0\n1 0 0 1 -inf\n1 1 0 1 1\n3 0 1 2\n";
+  const std::string of_corners = "0 0 0\n1 0 0\n1 1 0\n3 0 1 2 6 nan 0 1 inf 1 1\n";
+  for (const SceneFile& file :
+       {read("a.ply", ply("property float s\nproperty float t\n", "", 3, 1, of_vertices)),
+        read("b.ply", ply("", "property list uchar float texcoord\n", 3, 1, of_corners)),
+        read("a.off", "STOFF\n3 1 0\n" + of_vertices)}) {
+    EXPECT_EQ(count_of(file, "non_finite_attributes"), 2u);
+    EXPECT_EQ(file.scene.mesh.texcoords[0], (std::vector<glm::vec2>{{0, 1}, {0, 1}, {1, 0}}));
+  }
+}
+
+TEST_F(MeshFileTest, PlyWithRedAlone_HasTheColorsOfItsFaces) {
+  const std::string colors = "property uchar red\nproperty uchar green\nproperty uchar blue\n";
+  const std::string body = "0 0 0 9\n1 0 0 9\n1 1 0 9\n3 0 1 2 255 0 0\n";
+  const Mesh mesh = read("a.ply", ply("property uchar red\n", colors, 3, 1, body)).scene.mesh;
+  EXPECT_EQ(mesh.colors, (std::vector<LinearRgb>(3, {1, 0, 0})));
+}
+
+TEST_F(MeshFileTest, FaceColorsBesideThoseOfVertices_AreTold) {
+  const std::string colors = "property uchar red\nproperty uchar green\nproperty uchar blue\n";
+  const std::string body = "0 0 0 9 9 9\n1 0 0 9 9 9\n0 1 0 9 9 9\n3 0 1 2 255 0 0\n";
+  EXPECT_EQ(count_of(read("a.ply", ply(colors, colors, 3, 1, body)), "unused_face_colors"), 1u);
+  EXPECT_EQ(count_of(read("a.off", "COFF\n3 1 0\n" + body), "unused_face_colors"), 1u);
+}
+
+TEST_F(MeshFileTest, PlyWholeNumbersAboveTheLargest_AreClamped) {
+  const std::string colors = "property uint red\nproperty uint green\nproperty uint blue\n";
+  const std::string body = "0 0 0 65535 0 0\n1 0 0 255 0 0\n1 1 0 255 0 0\n3 0 1 2\n";
+  const SceneFile file = read("a.ply", ply(colors, "", 3, 1, body));
+  EXPECT_EQ(file.scene.mesh.colors, (std::vector<LinearRgb>(3, {1, 0, 0})));
+  EXPECT_EQ(count_of(file, "colors_out_of_range"), 1u);
+  EXPECT_EQ(count_of(file, "colors_to_255"), 0u);
+}
+
+TEST_F(MeshFileTest, PlyHeaderOfCrLines_DoesNotTakeALineFeedOfTheBody) {
+  const auto with_line_ends = [](const std::string& end) {
+    std::string text;
+    for (const char* line :
+         {"ply", "format binary_big_endian 1.0", "element vertex 3", "property uchar x", "property uchar y",
+          "property uchar z", "element face 1", "property list uchar uchar vertex_index", "end_header"})
+      text += line + end;
+    return text + std::string("\n\0\0\1\0\0\0\1\0\3\0\1\2", 13);
+  };
+  for (const std::string end : {"\r", "\n", "\r\n"})
+    EXPECT_EQ(read("a.ply", with_line_ends(end)).scene.mesh.positions[0], glm::vec3(10, 0, 0));
+}
+
+TEST_F(MeshFileTest, PlyHeaderOfManyProperties_IsReadInTime) {
+  std::string properties, values;
+  for (int i = 0; i < 100'000; ++i) {
+    properties += "property uchar p" + std::to_string(i) + "\n";
+    values += " 0";
+  }
+  const std::string body = "0 0 0" + values + "\n1 0 0" + values + "\n0 1 0" + values + "\n3 0 1 2\n";
+  EXPECT_EQ(read("a.ply", ply(properties, "", 3, 1, body)).n_faces, 1u);
+}
+
 TEST_F(MeshFileTest, PlyTriangleStrips_WindAsOne) {
   const Mesh mesh =
       read("a.ply",
@@ -429,6 +497,12 @@ TEST_F(MeshFileTest, UnsoundFiles_AreRefusedWithThePlaceAndWhatWasExpected) {
       {"a.off", "4OFF\n", "line 1", "found \"4OFF\""},
       {"a.off", "OFF BINARY\n", "line 1", "found \"BINARY\""},
       {"a.ply", ply("property float x\n", "", 3, 1, triangle), "line 7", "found \"x\""},
+      {"a.ply", ply("", "element face 1\n", 3, 1, triangle), "line 9",
+       "no other element has, found \"face\""},
+      {"a.ply", ply("", "element tristrips 1\nproperty list int int vertex_indices\n", 3, 1, triangle),
+       "line 9", "either \"face\" or \"tristrips\", found both"},
+      {"a.ply", ply("", "", 3, 1, "0 0 0\n1 0 0\n0 1 0\n3 0.0 1 2\n"), "line 13", "found \"0.0\""},
+      {"a.obj", obj + "f 1.0 2 3\n", "line 4", "found \"1.0\""},
       {"a.stl", "solid\nfacet normal 0 0 0\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nendloop\n", "line 6",
        "expected \"vertex\""},
       {"a.stl", "solid\nfacet normal 0 0 0\nouter loop\nvertex 0 0 z\n", "line 4", "found \"z\""},

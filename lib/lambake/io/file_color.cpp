@@ -45,6 +45,17 @@ bool decode_file_colors(std::vector<LinearRgb>& colors, Findings& findings, Chan
   return counts_to_255;
 }
 
+void decode_file_opacities(std::vector<float>& opacities, bool colors_count_to_255) {
+  const auto is_above_one = [](float opacity) { return opacity > 1 && opacity != opacity_not_given; };
+  if (!colors_count_to_255 || std::none_of(opacities.begin(), opacities.end(), is_above_one)) return;
+  for (float& opacity : opacities) opacity /= 255.0f;
+}
+
+void tell_unused_face_colors(std::size_t n, Findings& findings) {
+  add_finding(findings, "unused_face_colors", n,
+              "face[ has|s have] a colour that is not used, as the vertices have some");
+}
+
 namespace {
 constexpr std::uint32_t none = 0xffffffffU;
 }

@@ -21,6 +21,12 @@ enum class ChannelNumbers { floats, whole };
 bool decode_file_colors(std::vector<LinearRgb>& colors, Findings& findings,
                         ChannelNumbers numbers = ChannelNumbers::floats);
 
+/// Opacities beside colours: where these count to 255, and one of them is above 1, they do so too.
+void decode_file_opacities(std::vector<float>& opacities, bool colors_count_to_255);
+
+/// Tells that the colours of `n` faces have no part beside those of the vertices, which are finer.
+void tell_unused_face_colors(std::size_t n, Findings& findings);
+
 /// The opacity of a vertex to which the file gives none, in whatever it counts: mesh files' are cut off at 1.
 inline constexpr float opacity_not_given = std::numeric_limits<float>::infinity();
 

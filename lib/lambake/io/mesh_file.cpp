@@ -46,6 +46,17 @@ void normalize_normals(std::vector<glm::vec3>& normals, Findings& findings) {
               "normal[|s] in the file ha[s|ve] no direction; unlit");
 }
 
+/// From the files' origin, the lower left, to the upper left. What is not finite becomes the files' zero.
+void turn_texcoords(std::vector<glm::vec2>& texcoords, Findings& findings) {
+  std::size_t n_non_finite = 0;
+  for (glm::vec2& t : texcoords) {
+    if (!std::isfinite(t.x) || !std::isfinite(t.y)) t = glm::vec2(0), ++n_non_finite;
+    t.y = 1 - t.y;
+  }
+  add_finding(findings, "non_finite_attributes", n_non_finite,
+              "texture coordinate[ is|s are] not finite; zero instead");
+}
+
 void add_defects(const Mesh& mesh, Findings& findings) {
   const Defects d = find_defects(mesh, false);
   add_finding(findings, "non_finite_vertices", d.non_finite_vertices,
@@ -110,7 +121,7 @@ SceneFile read_mesh_file(const std::string& path) {
     for (std::size_t t = 0; t < mesh.n_triangles(); ++t)
       mesh.materials.push_back(file.face_materials[mesh.source_face_of(t)]);
   }
-  for (glm::vec2& t : mesh.texcoords[0]) t.y = 1 - t.y;  // The files' origin is the lower left.
+  turn_texcoords(mesh.texcoords[0], result.findings);
   for (float& opacity : mesh.opacities) opacity = opacity >= 0 ? std::min(opacity, 1.0f) : 0.0f;
   normalize_normals(mesh.normals, result.findings);
 

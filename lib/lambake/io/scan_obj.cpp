@@ -240,6 +240,7 @@ class ObjScan {
   void scan_face(TextCursor& cursor, std::uint32_t material) {
     corners_.clear();
     for (; !cursor.at_line_end();) {
+      const char* const begin = cursor.position();
       Corner corner{scan_index(cursor, 0, n_vertices_), none, none};
       if (cursor.accept('/')) {
         if (!cursor.at_separator() && !cursor.accept('/')) {
@@ -250,7 +251,7 @@ class ObjScan {
           corner.normal = scan_index(cursor, 2, normals_.size());
         }
       }
-      if (!cursor.at_separator()) cursor.fail("v, v/vt, v//vn or v/vt/vn", cursor.token());
+      if (!cursor.at_separator()) cursor.fail_at(begin, "v, v/vt, v//vn or v/vt/vn");
       corners_.push_back(corner);
     }
     set_material(static_cast<std::uint32_t>(file_.n_faces++), material);
@@ -320,8 +321,7 @@ class ObjScan {
     add_finding(file_.findings, "vertices_without_color", n_uncolored_,
                 "vert[ex has|ices have] no colour; white instead");
     if (!file_.opacities.empty()) file_.opacities.resize(n_vertices_, opacity_not_given);
-    if (decode_file_colors(file_.colors, file_.findings))
-      for (float& opacity : file_.opacities) opacity /= 255.0f;
+    decode_file_opacities(file_.opacities, decode_file_colors(file_.colors, file_.findings));
     extend_to_copies(file_);
 
     splitter_.reset();

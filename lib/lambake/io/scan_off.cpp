@@ -42,6 +42,7 @@ OffHeader scan_header(TextCursor& cursor) {
 class OffColors {
  public:
   bool empty() const { return colors_.empty(); }
+  std::size_t n_given() const { return is_given_.size() - n_missing_; }
   /// Reads what is left on the line: nothing, an index into a colour map (not read), r g b, or r g b alpha.
   void scan(TextCursor& cursor) {
     float values[4];
@@ -90,8 +91,9 @@ class OffColors {
   void decode_opacities(bool counts_to_255) {
     if (opacities_.empty()) return;
     opacities_.resize(is_given_.size(), opacity_not_given);
-    if (counts_to_255 || !is_float_)
+    if (!is_float_)
       for (float& opacity : opacities_) opacity /= 255.0f;
+    decode_file_opacities(opacities_, counts_to_255);
   }
 
   std::vector<LinearRgb> colors_;
@@ -212,6 +214,7 @@ class OffScan {
     if (!vertex_colors_.empty()) {
       file_.colors = vertex_colors_.decode("vert[ex|ices]", findings);
       file_.opacities = vertex_colors_.take_opacities();
+      tell_unused_face_colors(face_colors_.n_given(), findings);
     } else if (!face_colors_.empty()) {
       split_by_colors(face_colors_.decode("face[|s]", findings));
       tell_transparent_faces(face_colors_.take_opacities());

@@ -108,8 +108,9 @@ class TextCursor {
   template <typename Integer>
   Integer integer(const char* expected) {
     if (at_line_end()) fail(expected, {});
+    const char* const begin = at_;
     const Integer value = integer_prefix<Integer>(expected);
-    if (at_ != end_ && !is_separator(*at_)) fail(expected, token());
+    if (at_ != end_ && !is_separator(*at_)) fail_at(begin, expected);
     return value;
   }
   /// The same, but anything may follow it.
@@ -131,6 +132,11 @@ class TextCursor {
   }
   bool at_separator() const { return at_ == end_ || is_separator(*at_); }
 
+  /// Fails for the token that begins at `begin`, a position that the cursor has passed on this line.
+  [[noreturn]] void fail_at(const char* begin, const std::string& expected) {
+    at_ = begin;
+    fail(expected, token());
+  }
   [[noreturn]] void fail(const std::string& expected, std::string_view found) const {
     throw IoError(*path_, "line " + std::to_string(line_) + ": expected " + expected + ", found " +
                               (found.empty() ? describe_end() : quote(found)));
