@@ -443,6 +443,16 @@ TEST_F(MeshFileTest, Stl_IsWeldedExactlyAndKeepsEveryFacetInItsPlace) {
   EXPECT_EQ(count_of(file, "welded_vertices"), 9u);
 }
 
+TEST_F(MeshFileTest, BinaryStlThatBeginsWithSolid_IsBinaryWithBytesBehindItToo) {
+  std::string bytes = "solid of some program";
+  bytes.resize(80, ' ');
+  bytes += std::string("\1\0\0\0", 4) + std::string(50, '\0');
+  EXPECT_EQ(count_of(read("a.stl", bytes), "trailing_bytes"), 0u);
+  const SceneFile file = read("b.stl", bytes + "12345");
+  EXPECT_EQ(file.format, "STL binary");
+  EXPECT_EQ(count_of(file, "trailing_bytes"), 5u);
+}
+
 /// Area of all polygons by the shoelace formula in space, and of the triangles, by file face.
 TEST(MeshFile, PolygonsOfRealFiles_AreCutWithoutLosingOrDoublingArea) {
   for (const std::string name : {"classic/plus-shape.obj", "classic/mpi.off", "dirty/platonic_shelf.obj"}) {
