@@ -123,6 +123,36 @@ TEST(ImageFile, AnyTruncatedPng_ThrowsOneLine) {
   }
 }
 
+std::string error_of(const std::string& bytes) {
+  try {
+    decode_image(bytes_of(bytes), "a picture");
+  } catch (const IoError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(ImageFile, PngWhoseBytesHaveChanged_ThrowsAndPrintsNothing) {
+  std::string png = encode_png(ramp());
+  const std::size_t data = png.find("IDAT");
+  png[data + 20] ^= 1;
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(error_of(png), "a picture: byte " + std::to_string(data - 4) +
+                               ": expected a chunk IDAT that fits its checksum, found another");
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+}
+
+// libjpeg makes up the pixels of a file that ends early.
+TEST(ImageFile, AnyTruncatedJpeg_ThrowsOneLine) {
+  const std::string jpeg = contents(LAMBAKE_SOURCE_DIR "/tests/io/grey188.jpg");
+  for (std::size_t n = 0; n < jpeg.size(); ++n) {
+    const std::string message = error_of(jpeg.substr(0, n));
+    EXPECT_NE(message, "") << n << " of " << jpeg.size() << " bytes";
+    EXPECT_EQ(message.find('\n'), std::string::npos);
+  }
+  EXPECT_EQ(error_of(jpeg + "what follows is no matter"), "");
+}
+
 TEST(ImageFile, PngThatPromisesAHugeSize_ThrowsWithoutAllocatingIt) {
   std::string png = encode_png(ramp());
   // Width and height of IHDR, and its CRC-32.

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "io/mesh_folder.h"
 #include "lambake/core/bounds.h"
 #include "lambake/core/error.h"
 #include "lambake/io/scene_file.h"
@@ -51,18 +52,6 @@ std::vector<ManifestRow> read_manifest() {
   return rows;
 }
 
-/// What the refusal of a file says; a failure if it is read.
-std::string refusal_of(const std::string& path) {
-  try {
-    read_scene_file(path);
-  } catch (const IoError& error) {
-    EXPECT_EQ(error.exit_code(), 3);
-    return error.what();
-  }
-  ADD_FAILURE() << path << " was read";
-  return {};
-}
-
 TEST(MeshFile, EveryFileOfTheManifest_HasTheCountsOfTheManifest) {
   const std::vector<ManifestRow> rows = read_manifest();
   ASSERT_GT(rows.size(), 80u);
@@ -96,39 +85,6 @@ TEST(MeshFile, FilesOfTheManifestThatAreNoMesh_AreRefusedInOneLine) {
   EXPECT_EQ(n_refused, 7u);
 }
 
-class MeshFileTest : public testing::Test {
- protected:
-  MeshFileTest() { std::filesystem::create_directories(folder); }
-  ~MeshFileTest() override { std::filesystem::remove_all(folder); }
-
-  std::string write(const std::string& name, const std::string& bytes) {
-    const std::string path = (folder / name).string();
-    std::ofstream(path, std::ios::binary) << bytes;
-    return path;
-  }
-  SceneFile read(const std::string& name, const std::string& bytes) {
-    return read_scene_file(write(name, bytes));
-  }
-  // Tests may run at the same time.
-  std::filesystem::path folder =
-      std::filesystem::path(testing::TempDir()) /
-      (std::string("lambake_") + testing::UnitTest::GetInstance()->current_test_info()->name());
-};
-
-std::size_t count_of(const SceneFile& file, const std::string& code) {
-  std::size_t n = 0;
-  for (const Finding& finding : file.findings) n += finding.code == code ? finding.count : 0;
-  return n;
-}
-
-std::string ply(const std::string& vertex_properties, const std::string& face_properties,
-                std::size_t n_vertices, std::size_t n_faces, const std::string& body) {
-  return "ply\nformat ascii 1.0\nelement vertex " + std::to_string(n_vertices) +
-         "\nproperty float x\nproperty float y\nproperty float z\n" + vertex_properties + "element face " +
-         std::to_string(n_faces) + "\nproperty list uchar int vertex_indices\n" + face_properties +
-         "end_header\n" + body;
-}
-
 constexpr const char* triangle = "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
 
 TEST_F(MeshFileTest, NumbersThatAreNotFinite_AreKeptAndCounted) {
@@ -144,6 +100,18 @@ TEST_F(MeshFileTest, NumbersThatAreNotFinite_AreKeptAndCounted) {
     EXPECT_EQ(p[2], glm::vec3(0, INFINITY, 0));
     EXPECT_EQ(count_of(*file, "non_finite_vertices"), 3u);
   }
+}
+
+TEST_F(MeshFileTest, PositionsTooFarFromTheOriginForFloats_AreTold) {
+  // Steps of 0.5 at 4.5 million: half of one is 0.0025 of 100, and 0.00025 of 1000.
+  const auto n_coarse = [this](const std::string& size) {
+    return count_of(read("a.obj", "v 0 4500000.1 0\nv 0 4500000.2 0\nv " + size + " 4500000 0\nf 1 2 3\n"),
+                    "coarse_positions");
+  };
+  EXPECT_EQ(n_coarse("100"), 3u);
+  EXPECT_EQ(n_coarse("1000"), 0u);
+  const std::string near = "v 0 0 0\nv 1 0 0\nv 0 1e-30 0\nf 1 2 3\n";
+  EXPECT_EQ(count_of(read("a.obj", near), "coarse_positions"), 0u);
 }
 
 TEST_F(MeshFileTest, ObjCornersThatDiffer_SplitTheirVertexAndOnlyIt) {
@@ -235,38 +203,6 @@ TEST_F(MeshFileTest, ObjWithAByteOrderMark_KeepsItsFirstVertex) {
   EXPECT_EQ(file.scene.mesh.positions[0], glm::vec3(9));
 }
 
-TEST_F(MeshFileTest, ObjMaterialNameInLatin1_BecomesUtf8) {
-  write("a.mtl", "newmtl K\xF6rper\nKd 1 0 0\n");
-  const SceneFile file =
-      read("a.obj", "mtllib a.mtl\nusemtl K\xF6rper\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
-  EXPECT_EQ(file.scene.materials[file.scene.mesh.material_of(0)].name, "K\u00F6rper");
-}
-
-TEST_F(MeshFileTest, DevicesThatAFileNames_AreNotRead) {
-  const SceneFile file =
-      read("a.obj", "mtllib /dev/zero\nmtllib /dev/zero\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
-  EXPECT_EQ(count_of(file, "missing_material_files"), 2u);
-}
-
-TEST_F(MeshFileTest, ObjMaterials_BecomeBaseColorsByFace) {
-  write("a.mtl", "newmtl red one\nKd 1 0 0\nmap_Kd -s 1 1 missing.png\nnewmtl grey\nKd 0.5 0.5 0.5\n");
-  const SceneFile file = read("a.obj",
-                              "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nusemtl red one\nf 1 2 3\n"
-                              "usemtl grey\nf 1 2 3\nusemtl none\nf 1 2 3\n");
-  const Scene& scene = file.scene;
-  ASSERT_EQ(scene.mesh.n_triangles(), 4u);
-  const auto color = [&](std::size_t t) { return scene.materials[scene.mesh.material_of(t)].base_color; };
-  EXPECT_EQ(color(0), (LinearRgb{1, 1, 1}));
-  EXPECT_EQ(color(1), (LinearRgb{1, 0, 0}));
-  EXPECT_NEAR(color(2).g, 0.2140f, 1e-4f);  // sRGB 0.5.
-  EXPECT_EQ(color(3), (LinearRgb{1, 1, 1}));
-  EXPECT_EQ(count_of(file, "unknown_materials"), 1u);
-  EXPECT_EQ(count_of(file, "unreadable_textures"), 1u);
-  EXPECT_EQ(count_of(file, "texture_options"), 1u);
-  // Faces of different material share no vertex.
-  EXPECT_EQ(scene.mesh.n_vertices(), 12u);
-}
-
 TEST_F(MeshFileTest, ObjLineContinuationsAndRelativeIndices_AreRead) {
   const SceneFile file =
       read("a.obj", "v 0 0 0\r\nv 1 0 \\\r\n0\r\nv 0 1 0\r\nf -3 \\\n-2 -1\nv 5 5 5\nf -1 1 2 # why not\n");
@@ -289,88 +225,23 @@ TEST_F(MeshFileTest, ObjLineContinuations_AreLinesOfTheirOwnInWhatIsTold) {
   }
 }
 
-TEST_F(MeshFileTest, PlyColors_AreDecodedFromSrgbWhateverTheirType) {
-  const std::string header = "property TYPE red\nproperty TYPE green\nproperty TYPE blue\n";
-  const auto read_color = [&](const std::string& type, const std::string& values) {
-    std::string properties = header;
-    for (std::size_t at; (at = properties.find("TYPE")) != std::string::npos;)
-      properties.replace(at, 4, type);
-    const std::string v = " " + values + "\n";
-    return read("a.ply", ply(properties, "", 3, 1, "0 0 0" + v + "1 0 0" + v + "0 1 0" + v + "3 0 1 2\n"));
-  };
-  EXPECT_EQ(to_srgb8(read_color("uchar", "0 128 255").scene.mesh.colors[2]), (Srgb8{0, 128, 255}));
-  EXPECT_EQ(to_srgb8(read_color("ushort", "0 32896 65535").scene.mesh.colors[2]), (Srgb8{0, 128, 255}));
-  const LinearRgb fine = read_color("float", "0.0123 0.5 1").scene.mesh.colors[1];
-  EXPECT_FLOAT_EQ(fine.r, srgb_decode(0.0123f));
-  EXPECT_FLOAT_EQ(fine.g, srgb_decode(0.5f));
-  EXPECT_EQ(read_color("double", "1 nan 0").scene.mesh.colors[0], (LinearRgb{1, 1, 1}));
-  EXPECT_EQ(count_of(read_color("double", "1 nan 0"), "non_finite_colors"), 3u);
-  EXPECT_EQ(read_color("float", "0 0 255").scene.mesh.colors[0], (LinearRgb{0, 0, 1}));
-  EXPECT_EQ(count_of(read_color("float", "-1 0 1.5"), "colors_out_of_range"), 3u);
+TEST_F(MeshFileTest, TexcoordsThatAreNotFinite_AreZeroAndTold) {
+  const std::string of_vertices = "0 0 0 nan 0\n1 0 0 1 -inf\n1 1 0 1 1\n3 0 1 2\n";
+  const std::string of_corners = "0 0 0\n1 0 0\n1 1 0\n3 0 1 2 6 nan 0 1 inf 1 1\n";
+  for (const SceneFile& file :
+       {read("a.ply", ply("property float s\nproperty float t\n", "", 3, 1, of_vertices)),
+        read("b.ply", ply("", "property list uchar float texcoord\n", 3, 1, of_corners)),
+        read("a.off", "STOFF\n3 1 0\n" + of_vertices)}) {
+    EXPECT_EQ(count_of(file, "non_finite_attributes"), 2u);
+    EXPECT_EQ(file.scene.mesh.texcoords[0], (std::vector<glm::vec2>{{0, 1}, {0, 1}, {1, 0}}));
+  }
 }
 
-TEST_F(MeshFileTest, PlyFaceColors_SplitTheVerticesBetweenThem) {
+TEST_F(MeshFileTest, FaceColorsBesideThoseOfVertices_AreTold) {
   const std::string colors = "property uchar red\nproperty uchar green\nproperty uchar blue\n";
-  const std::string body = "0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2 255 0 0\n3 0 2 3 0 0 255\n";
-  const Mesh mesh = read("a.ply", ply("", colors, 4, 2, body)).scene.mesh;
-  ASSERT_EQ(mesh.n_vertices(), 6u);
-  for (std::size_t t = 0; t < 2; ++t)
-    for (int c = 0; c < 3; ++c)
-      EXPECT_EQ(mesh.colors[mesh.triangles[t][c]], t == 0 ? (LinearRgb{1, 0, 0}) : (LinearRgb{0, 0, 1}));
-}
-
-TEST_F(MeshFileTest, PlyTexcoordsOfCorners_SplitTheVertices) {
-  const std::string body = "0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2 6 0 0 1 0 1 1\n3 0 2 3 6 0 0 .5 1 0 1\n";
-  const Mesh mesh = read("a.ply", ply("", "property list uchar float texcoord\n", 4, 2, body)).scene.mesh;
-  ASSERT_EQ(mesh.n_vertices(), 5u);
-  EXPECT_EQ(mesh.source_vertices[4], 2u);
-  EXPECT_EQ(mesh.texcoords[0][2], glm::vec2(1, 0));
-  EXPECT_EQ(mesh.texcoords[0][4], glm::vec2(0.5f, 0));
-}
-
-// A vertex takes its material's colour and texture, so that it can have one only.
-TEST_F(MeshFileTest, PlyTexturesOfFaces_SplitTheVerticesBetweenThem) {
-  std::string text = ply("property float s\nproperty float t\n", "property int texnumber\n", 4, 2,
-                         "0 0 0 0 0\n1 0 0 1 0\n1 1 0 1 1\n0 1 0 0 1\n3 0 1 2 0\n3 0 2 3 -1\n");
-  text.insert(text.find("element vertex"), "comment TextureFile missing.png\n");
-  const Mesh mesh = read("a.ply", text).scene.mesh;
-  ASSERT_EQ(mesh.n_vertices(), 6u);
-  EXPECT_NE(mesh.material_of(0), mesh.material_of(1));
-  for (int c = 0; c < 3; ++c)
-    for (int d = 0; d < 3; ++d) EXPECT_NE(mesh.triangles[0][c], mesh.triangles[1][d]);
-  EXPECT_EQ(mesh.texcoords[0][mesh.triangles[1][1]], glm::vec2(1, 0));
-}
-
-TEST_F(MeshFileTest, PlyTextures_NamesInLatin1BecomeUtf8_NumbersThatAreNoneAreOfNone) {
-  std::string text = ply("", "property float texnumber\n", 3, 3,
-                         "0 0 0\n1 0 0\n1 1 0\n3 0 1 2 0\n3 0 1 2 nan\n3 0 1 2 1e300\n");
-  text.insert(text.find("element vertex"), "comment TextureFile gr\xFCn.png\n");
-  const Scene scene = read("a.ply", text).scene;
-  EXPECT_EQ(scene.materials[0].name, "gr\u00FCn.png");
-  EXPECT_EQ(scene.mesh.materials, (std::vector<std::uint32_t>{0, 1, 1}));
-}
-
-TEST_F(MeshFileTest, PlyLinesAndBytesBehindTheLastElement_AreTold) {
-  const std::string text = ply("", "", 3, 1, "0 0 0\n1 0 0\n1 1 0\n3 0 1 2\n");
-  EXPECT_EQ(count_of(read("a.ply", text), "lines_left_over"), 0u);
-  EXPECT_EQ(count_of(read("a.ply", text + "3 0 1 2\n\n3 2 1 0\n"), "lines_left_over"), 2u);
-  std::string binary =
-      "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty double x\n"
-      "property float y\nproperty float z\nelement face 1\n"
-      "property list uchar int vertex_indices\nend_header\n";
-  binary += std::string(48, '\0') + std::string("\3\0\0\0\0\1\0\0\0\2\0\0\0", 13);
-  EXPECT_EQ(count_of(read("b.ply", binary + "\r\n"), "bytes_left_over"), 0u);
-  EXPECT_EQ(count_of(read("b.ply", binary + "12345"), "bytes_left_over"), 5u);
-}
-
-TEST_F(MeshFileTest, PlyTriangleStrips_WindAsOne) {
-  const Mesh mesh =
-      read("a.ply",
-           "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\nproperty float z\n"
-           "element tristrips 1\nproperty list int int vertex_indices\nend_header\n"
-           "0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 2 0\n9 0 1 2 3 4 -1 2 3 4\n")
-          .scene.mesh;
-  EXPECT_EQ(mesh.triangles, (std::vector<glm::uvec3>{{0, 1, 2}, {2, 1, 3}, {2, 3, 4}, {2, 3, 4}}));
+  const std::string body = "0 0 0 9 9 9\n1 0 0 9 9 9\n0 1 0 9 9 9\n3 0 1 2 255 0 0\n";
+  EXPECT_EQ(count_of(read("a.ply", ply(colors, colors, 3, 1, body)), "unused_face_colors"), 1u);
+  EXPECT_EQ(count_of(read("a.off", "COFF\n3 1 0\n" + body), "unused_face_colors"), 1u);
 }
 
 TEST_F(MeshFileTest, OffColors_AreWholeNumbersOrFloatsForTheWholeFile) {
@@ -381,6 +252,43 @@ TEST_F(MeshFileTest, OffColors_AreWholeNumbersOrFloatsForTheWholeFile) {
   EXPECT_EQ(first_color("1 0 0", "0 0.5 0"), (LinearRgb{1, 0, 0}));
   EXPECT_EQ(first_color("255 0 0 255", "0 128 0 255"), (LinearRgb{1, 0, 0}));
   EXPECT_FLOAT_EQ(first_color("1 0 0", "0 128 0").r, srgb_decode(1.0f / 255.0f));
+}
+
+TEST_F(MeshFileTest, OpacitiesBehindColors_AreThoseOfTheVertices) {
+  const std::string off = "COFF\n3 1 0\n0 0 0 255 0 0 51\n1 0 0 255 0 0\n0 1 0 255 0 0 255\n3 0 1 2\n";
+  const std::string off_of_floats = "COFF\n3 1 0\n0 0 0 1 0 0 .2\n1 0 0 1 0 0\n0 1 0 1. 0 0 1\n3 0 1 2\n";
+  const std::string obj = "v 0 0 0 1 0 0 .2\nv 1 0 0 1 0 0\nv 0 1 0 1 0 0 1\nf 1 2 3\n";
+  const std::string obj_to_255 = "v 0 0 0 255 0 0 51\nv 1 0 0 255 0 0\nv 0 1 0 255 0 0 255\nf 1 2 3\n";
+  for (const SceneFile& file :
+       {read("a.off", off), read("b.off", off_of_floats), read("a.obj", obj), read("b.obj", obj_to_255)}) {
+    SCOPED_TRACE(file.format);
+    EXPECT_EQ(file.scene.mesh.opacities, (std::vector<float>{0.2f, 1, 1}));
+    EXPECT_EQ(file.scene.mesh.colors[2], (LinearRgb{1, 0, 0}));
+  }
+  const SceneFile faces =
+      read("a.off", "OFF\n3 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2 255 0 0 51\n3 2 1 0 0 0 0 255\n");
+  EXPECT_EQ(count_of(faces, "transparent_faces"), 1u);
+}
+
+TEST_F(MeshFileTest, OffCounts_MayBeOnLinesOfTheirOwnAndLeaveOutTheEdges) {
+  const std::string body = "7 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
+                    body_by_lines = "7\n0\n0\n1 0 0\n0 1 0\n3 0 1 2\n";
+  for (const std::string counts :
+       {"3 1 5\n", "3 1\n5\n", "3\n1\n# edges\n\n5\n", "3 1 5\n", "3 1\n", "3\n1\n"}) {
+    SCOPED_TRACE(counts);
+    EXPECT_EQ(read("a.off", "OFF\n" + counts + body).scene.mesh.positions[0], glm::vec3(7, 0, 0));
+  }
+  EXPECT_EQ(read("a.off", "OFF 3 1\n5\n" + body_by_lines).scene.mesh.positions[0], glm::vec3(7, 0, 0));
+  EXPECT_EQ(read("a.off", "OFF 3 1\n7.0\n0 0\n1 0 0\n0 1 0\n3 0 1 2\n").scene.mesh.positions[0],
+            glm::vec3(7, 0, 0));
+  EXPECT_NE(refusal_of(write("a.off", "OFF 3 1\n" + std::string(99, ' '))).find("expected vertex 1 of 3"),
+            std::string::npos);
+}
+
+TEST_F(MeshFileTest, OffLinesBehindTheLastFace_AreTold) {
+  const std::string text = "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+  EXPECT_EQ(count_of(read("a.off", text + "\n# end\n"), "lines_left_over"), 0u);
+  EXPECT_EQ(count_of(read("a.off", text + "3 2 1 0\n\n3 0 1 2\n"), "lines_left_over"), 2u);
 }
 
 TEST_F(MeshFileTest, OffAttributesBehindAComment_AreReadToo) {
@@ -411,6 +319,16 @@ TEST_F(MeshFileTest, Stl_IsWeldedExactlyAndKeepsEveryFacetInItsPlace) {
   EXPECT_TRUE(std::isnan(mesh.positions[mesh.triangles[2].z].x));
   EXPECT_EQ(mesh.positions[mesh.triangles[4].y].x, 1e-38f);
   EXPECT_EQ(count_of(file, "welded_vertices"), 9u);
+}
+
+TEST_F(MeshFileTest, BinaryStlThatBeginsWithSolid_IsBinaryWithBytesBehindItToo) {
+  std::string bytes = "solid of some program";
+  bytes.resize(80, ' ');
+  bytes += std::string("\1\0\0\0", 4) + std::string(50, '\0');
+  EXPECT_EQ(count_of(read("a.stl", bytes), "trailing_bytes"), 0u);
+  const SceneFile file = read("b.stl", bytes + "12345");
+  EXPECT_EQ(file.format, "STL binary");
+  EXPECT_EQ(count_of(file, "trailing_bytes"), 5u);
 }
 
 /// Area of all polygons by the shoelace formula in space, and of the triangles, by file face.
@@ -467,6 +385,12 @@ TEST_F(MeshFileTest, UnsoundFiles_AreRefusedWithThePlaceAndWhatWasExpected) {
       {"a.off", "4OFF\n", "line 1", "found \"4OFF\""},
       {"a.off", "OFF BINARY\n", "line 1", "found \"BINARY\""},
       {"a.ply", ply("property float x\n", "", 3, 1, triangle), "line 7", "found \"x\""},
+      {"a.ply", ply("", "element face 1\n", 3, 1, triangle), "line 9",
+       "no other element has, found \"face\""},
+      {"a.ply", ply("", "element tristrips 1\nproperty list int int vertex_indices\n", 3, 1, triangle),
+       "line 9", "either \"face\" or \"tristrips\", found both"},
+      {"a.ply", ply("", "", 3, 1, "0 0 0\n1 0 0\n0 1 0\n3 0.0 1 2\n"), "line 13", "found \"0.0\""},
+      {"a.obj", obj + "f 1.0 2 3\n", "line 4", "found \"1.0\""},
       {"a.stl", "solid\nfacet normal 0 0 0\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nendloop\n", "line 6",
        "expected \"vertex\""},
       {"a.stl", "solid\nfacet normal 0 0 0\nouter loop\nvertex 0 0 z\n", "line 4", "found \"z\""},

@@ -113,6 +113,15 @@ TEST_F(PlainPly, IsNotCopied_AndReadAsTheSameFileInAnotherForm) {
   }
 }
 
+TEST_F(PlainPly, BytesBehindTheLastFace_AreTold) {
+  const std::string bytes = Sample{}.bytes(true);
+  const auto code = [&](const std::string& more) {
+    return read_mesh_file(write(bytes + more)).findings.at(0).code;
+  };
+  EXPECT_NE(code("\r\n"), "bytes_left_over");
+  EXPECT_EQ(code("12345"), "bytes_left_over");
+}
+
 TEST_F(PlainPly, UnsoundFaces_AreToldAsEver) {
   Sample too_large, negative, below_three;
   too_large.faces = {{0, 1, 2}, {0, 1, 6}};

@@ -4,7 +4,7 @@
 #include <bit>
 
 namespace lambake {
-void decode_file_colors(std::vector<LinearRgb>& colors, Findings& findings) {
+bool decode_file_colors(std::vector<LinearRgb>& colors, Findings& findings, ChannelNumbers numbers) {
   std::size_t n_non_finite = 0, n_outside = 0;
   float largest = 0;
   for (LinearRgb& c : colors) {
@@ -14,7 +14,7 @@ void decode_file_colors(std::vector<LinearRgb>& colors, Findings& findings) {
     }
     largest = std::max({largest, c.r, c.g, c.b});
   }
-  const bool counts_to_255 = largest > 2;
+  const bool counts_to_255 = numbers == ChannelNumbers::floats && largest > 2;
   const float scale = counts_to_255 ? 1.0f / 255.0f : 1.0f;
   // Neighbours often have the same colour, and the curve is dear.
   LinearRgb last_encoded{0, 0, 0}, last_linear{0, 0, 0};
@@ -42,6 +42,18 @@ void decode_file_colors(std::vector<LinearRgb>& colors, Findings& findings) {
   if (counts_to_255)
     add_finding(findings, "colors_to_255", colors.size(),
                 "colour[ is|s are] given as floats above 2; taken to count to 255");
+  return counts_to_255;
+}
+
+void decode_file_opacities(std::vector<float>& opacities, bool colors_count_to_255) {
+  const auto is_above_one = [](float opacity) { return opacity > 1 && opacity != opacity_not_given; };
+  if (!colors_count_to_255 || std::none_of(opacities.begin(), opacities.end(), is_above_one)) return;
+  for (float& opacity : opacities) opacity /= 255.0f;
+}
+
+void tell_unused_face_colors(std::size_t n, Findings& findings) {
+  add_finding(findings, "unused_face_colors", n,
+              "face[ has|s have] a colour that is not used, as the vertices have some");
 }
 
 namespace {

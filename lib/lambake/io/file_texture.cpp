@@ -14,20 +14,26 @@ std::string path_beside(const std::string& path, const std::string& name) {
   return (std::filesystem::path(path).parent_path() / slashed).string();
 }
 
-std::uint32_t add_file_texture(const std::string& path, const std::string& name, CanonicalFile& file) {
+std::uint32_t FileTextures::use(const std::string& name, const char* instead) {
+  const auto [known, is_new] = known_.try_emplace(name, no_texture);
+  if (is_new) known->second = add(name, instead);
+  return known->second;
+}
+
+std::uint32_t FileTextures::add(const std::string& name, const char* instead) {
   Image image;
   try {
-    image = read_image(path_beside(path, name));
+    image = read_image(path_beside(path_, name));
   } catch (const IoError& error) {
-    add_finding(file.findings, "unreadable_textures", 1,
-                std::string("texture could not be read, white instead: ") + error.what());
+    add_finding(file_.findings, "unreadable_textures", 1,
+                std::string("texture could not be read, ") + instead + " instead: " + error.what());
     return no_texture;
   }
-  file.images.push_back(std::move(image));
+  file_.images.push_back(std::move(image));
   Texture texture;
-  texture.image = static_cast<std::uint32_t>(file.images.size() - 1);
-  file.textures.push_back(texture);
-  return static_cast<std::uint32_t>(file.textures.size() - 1);
+  texture.image = static_cast<std::uint32_t>(file_.images.size() - 1);
+  file_.textures.push_back(texture);
+  return static_cast<std::uint32_t>(file_.textures.size() - 1);
 }
 
 }  // namespace lambake

@@ -13,14 +13,13 @@
 
 #include "lambake/core/error.h"
 #include "lambake/io/file_extension.h"
+#include "lambake/io/image_bytes.h"
 #include "lambake/io/image_codec.h"
 #include "lambake/io/input_file.h"
 #include "lambake/io/output_file.h"
 
 namespace lambake {
 namespace {
-
-constexpr std::string_view png_signature = "\x89PNG\r\n\x1a\n";
 
 /// Found by the run path of whoever is linked with this library: lib/CMakeLists.txt.
 const ImageCodec* load_codec() {
@@ -41,25 +40,6 @@ std::string_view as_text(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-/// The PNG with the chunks alone that make its pixels. Colour profiles and gamma go, as colours are sRGB by
-/// definition here, and with them what libpng would tell about them on standard error; so does a file that
-/// ends early.
-std::string critical_chunks(std::string_view png, const std::string& name) {
-  std::string kept(png_signature);
-  for (std::size_t at = png_signature.size();;) {
-    std::uint64_t length = 0;
-    if (png.size() - at >= 12)
-      for (std::size_t i = 0; i < 4; ++i) length = length << 8 | static_cast<unsigned char>(png[at + i]);
-    if (png.size() - at < 12 || png.size() - at - 12 < length)
-      throw IoError(name, "byte " + std::to_string(at) + ": expected a chunk of PNG, found the end");
-    const std::string_view chunk = png.substr(at, static_cast<std::size_t>(length) + 12);
-    const std::string_view type = chunk.substr(4, 4);
-    if (type == "IHDR" || type == "PLTE" || type == "tRNS" || type == "IDAT" || type == "IEND") kept += chunk;
-    if (type == "IEND") return kept;
-    at += chunk.size();
-  }
-}
-
 }  // namespace
 
 void write_picture(const std::string& path, const Picture& picture) {
@@ -76,6 +56,7 @@ std::string encode_png(const Picture& picture) {
 }
 
 Image decode_image(std::span<const std::byte> bytes, const std::string& name) {
+  if (as_text(bytes).starts_with(jpeg_signature)) check_jpeg_end(as_text(bytes), name);
   if (!as_text(bytes).starts_with(png_signature)) return codec().decode(bytes, name);
   const std::string png = critical_chunks(as_text(bytes), name);
   return codec().decode(std::as_bytes(std::span(png.data(), png.size())), name);

@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <span>
 
+#include "lambake/core/bounds.h"
 #include "lambake/core/error.h"
 #include "lambake/geometry/defects.h"
 #include "lambake/io/canonical_file.h"
@@ -44,6 +46,34 @@ void normalize_normals(std::vector<glm::vec3>& normals, Findings& findings) {
   }
   add_finding(findings, "normals_without_direction", n_undirected,
               "normal[|s] in the file ha[s|ve] no direction; unlit");
+}
+
+/// Tells of positions that floats hold too coarsely, as those of maps may be: where half a step between
+/// neighbouring floats is more than a thousandth of the model's diagonal.
+void tell_coarse_positions(std::span<const glm::vec3> positions, Findings& findings) {
+  constexpr double tolerance = 1e-3, half_step = 0x1p-24;  // Of the largest power of two below a number.
+  const Bounds box = bounds_of(positions);
+  const double least = 2.0 * tolerance * double{box.radius()};
+  const auto is_coarse = [&](const glm::vec3& p) {
+    const float largest = std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+    return is_finite(p) && largest > 0 && half_step * std::ldexp(1.0, std::ilogb(largest)) > least;
+  };
+  if (least == 0 || box.is_empty() || !(is_coarse(box.min) || is_coarse(box.max))) return;
+  const auto n = std::count_if(positions.begin(), positions.end(), is_coarse);
+  add_finding(findings, "coarse_positions", static_cast<std::size_t>(n),
+              "vert[ex lies|ices lie] so far from the origin that rounding to single precision can move "
+              "[it|them] by a thousandth of the model's size; a model nearer to the origin is held better");
+}
+
+/// From the files' origin, the lower left, to the upper left. What is not finite becomes the files' zero.
+void turn_texcoords(std::vector<glm::vec2>& texcoords, Findings& findings) {
+  std::size_t n_non_finite = 0;
+  for (glm::vec2& t : texcoords) {
+    if (!std::isfinite(t.x) || !std::isfinite(t.y)) t = glm::vec2(0), ++n_non_finite;
+    t.y = 1 - t.y;
+  }
+  add_finding(findings, "non_finite_attributes", n_non_finite,
+              "texture coordinate[ is|s are] not finite; zero instead");
 }
 
 void add_defects(const Mesh& mesh, Findings& findings) {
@@ -110,7 +140,8 @@ SceneFile read_mesh_file(const std::string& path) {
     for (std::size_t t = 0; t < mesh.n_triangles(); ++t)
       mesh.materials.push_back(file.face_materials[mesh.source_face_of(t)]);
   }
-  for (glm::vec2& t : mesh.texcoords[0]) t.y = 1 - t.y;  // The files' origin is the lower left.
+  tell_coarse_positions(std::span(mesh.positions).first(file.n_vertices), result.findings);
+  turn_texcoords(mesh.texcoords[0], result.findings);
   for (float& opacity : mesh.opacities) opacity = opacity >= 0 ? std::min(opacity, 1.0f) : 0.0f;
   normalize_normals(mesh.normals, result.findings);
 

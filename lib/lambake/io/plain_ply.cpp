@@ -30,21 +30,23 @@ bool is_index_list(const PlyProperty& p) {
          p.count_type == PlyType::u8;
 }
 
-/// True if the faces that begin at `at` have three or more corners, each below `n_vertices` (< 2^31).
-bool are_sound_faces(const char* at, const char* end, std::size_t n_faces, std::uint32_t n_vertices) {
+/// The end of the faces that begin at `at` if they have three or more corners, each below `n_vertices`
+/// (< 2^31); none otherwise.
+const char* end_of_sound_faces(const char* at, const char* end, std::size_t n_faces,
+                               std::uint32_t n_vertices) {
   for (std::size_t f = 0; f < n_faces; ++f) {
-    if (at == end) return false;
+    if (at == end) return nullptr;
     const auto n_corners = static_cast<unsigned char>(*at++);
-    if (n_corners < 3 || static_cast<std::size_t>(end - at) < 4U * n_corners) return false;
+    if (n_corners < 3 || static_cast<std::size_t>(end - at) < 4U * n_corners) return nullptr;
     std::uint32_t largest = 0;  // A negative index is one of 2^31 and more.
     for (unsigned c = 0; c < n_corners; ++c, at += 4) {
       std::uint32_t index;
       std::memcpy(&index, at, 4);
       largest = index > largest ? index : largest;
     }
-    if (largest >= n_vertices) return false;
+    if (largest >= n_vertices) return nullptr;
   }
-  return true;
+  return at;
 }
 
 }  // namespace
@@ -73,10 +75,13 @@ bool take_plain_ply(const PlyHeader& header, std::string& text, CanonicalFile& f
       face.properties[0].type == PlyType::i32 ? "int" : "uint", face.properties[0].name);
   if (canonical.size() > header.size) return false;
   const std::size_t faces_begin = header.size + 4 * n_floats * vertex.count;
-  if (text.size() < faces_begin || !are_sound_faces(text.data() + faces_begin, text.data() + text.size(),
-                                                    face.count, static_cast<std::uint32_t>(vertex.count)))
-    return false;
+  if (text.size() < faces_begin) return false;
+  const char* const end = text.data() + text.size();
+  const char* const faces_end = end_of_sound_faces(text.data() + faces_begin, end, face.count,
+                                                   static_cast<std::uint32_t>(vertex.count));
+  if (faces_end == nullptr) return false;
 
+  tell_bytes_left_over(static_cast<std::size_t>(end - faces_end), file.findings);
   file.bytes = std::move(text);
   file.begin = header.size - canonical.size();
   file.bytes.replace(file.begin, canonical.size(), canonical);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <unordered_set>
 #include <utility>
 
 #include "lambake/core/error.h"
@@ -49,6 +50,17 @@ void read_comment(TextCursor& cursor, PlyHeader& header) {
   if (begin != std::string_view::npos && begin > 0) header.texture_files.emplace_back(text.substr(begin));
 }
 
+/// Whether the line, of whose tokens none is left, ends with a CR that no LF follows.
+bool ends_with_cr_alone(TextCursor cursor) {
+  return cursor.at_line_end() && cursor.accept('\r') && !cursor.accept('\n');
+}
+
+/// Moves to the body. With lines that CR ends alone a LF is the first byte of the body.
+void end_last_line(TextCursor& cursor, bool ends_with_cr) {
+  if (!ends_with_cr || !cursor.accept('\r')) return cursor.next_line();
+  cursor.add_lines(1);
+}
+
 /// The fewest bytes that one of the element can take.
 std::size_t least_size(const PlyElement& element, PlyEncoding encoding) {
   std::size_t size = 0;
@@ -59,12 +71,21 @@ std::size_t least_size(const PlyElement& element, PlyEncoding encoding) {
 
 }  // namespace
 
+void tell_bytes_left_over(std::size_t n, Findings& findings) {
+  constexpr std::size_t n_of_a_line_end = 2;
+  if (n > n_of_a_line_end)
+    add_finding(findings, "bytes_left_over", n,
+                "byte[|s] behind the last element of the header [is|are] not read");
+}
+
 PlyHeader read_ply_header(const std::string& path, TextCursor& cursor) {
   PlyHeader header;
   const std::size_t n_bytes = cursor.remaining();
   const std::string_view magic = cursor.token();
   if (magic != "ply" && magic != "PLY") cursor.fail("\"ply\"", magic);
+  const bool ends_with_cr = ends_with_cr_alone(cursor);
   bool has_format = false;
+  std::unordered_set<std::string> elements, properties;  // Their names; those of the last element.
   for (;;) {
     const std::string_view extra = cursor.token();
     if (!extra.empty()) cursor.fail("the end of the line", extra);
@@ -90,6 +111,9 @@ PlyHeader read_ply_header(const std::string& path, TextCursor& cursor) {
     } else if (keyword == "element") {
       PlyElement element;
       element.name = read_name(cursor, "the element's name");
+      if (!elements.insert(element.name).second)
+        cursor.fail("a name that no other element has", element.name);
+      properties.clear();
       element.line = cursor.line();
       element.count = cursor.integer<std::size_t>("a count");
       header.elements.push_back(std::move(element));
@@ -105,8 +129,8 @@ PlyHeader read_ply_header(const std::string& path, TextCursor& cursor) {
       }
       property.type = read_type(cursor);
       property.name = read_name(cursor, "the property's name");
-      for (const PlyProperty& other : header.elements.back().properties)
-        if (other.name == property.name) cursor.fail("a name that no other property has", property.name);
+      if (!properties.insert(property.name).second)
+        cursor.fail("a name that no other property has", property.name);
       header.elements.back().properties.push_back(std::move(property));
     } else {
       cursor.fail("a keyword of the header or \"end_header\"", keyword);
@@ -115,7 +139,7 @@ PlyHeader read_ply_header(const std::string& path, TextCursor& cursor) {
   if (!has_format) cursor.fail("a \"format\" line before \"end_header\"", "end_header");
   if (const std::string_view extra = cursor.token(); !extra.empty())
     cursor.fail("the end of the line", extra);
-  cursor.next_line();
+  end_last_line(cursor, ends_with_cr);
   header.size = n_bytes - cursor.remaining();
 
   for (const PlyElement& element : header.elements) {

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "lambake/core/finding.h"
 #include "lambake/io/text_cursor.h"
 
 namespace lambake {
@@ -46,6 +47,9 @@ struct PlyHeader {
 
 /// What lambake writes into a PLY whose float colours are linear.
 inline constexpr std::string_view ply_linear_colors_comment = "colours are linear";
+
+/// Tells of `n` bytes of a binary file that nothing in its header stands for; a line end is none.
+void tell_bytes_left_over(std::size_t n, Findings& findings);
 
 /// Reads the header and checks that the body can hold what it promises.
 /// @param cursor  at the beginning of the file; left at the beginning of the body. @throws IoError.

@@ -103,13 +103,12 @@ class ObjScan {
   /// keyword.
   template <typename Visit>
   void for_each_line(Visit&& visit) {
-    constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
     blocks_.rewind();
     std::size_t line = 1;
     for (std::span<char> block; !(block = blocks_.next()).empty();) {
       join_continued_lines(block, joined_);
       std::string_view text(block.data(), block.size());
-      if (line == 1 && text.starts_with(byte_order_mark)) text.remove_prefix(byte_order_mark.size());
+      if (line == 1) text = without_byte_order_mark(text);
       TextCursor cursor(path_, text, '#', line);
       auto joined = joined_.begin();
       for (; cursor.skip_to_token(); cursor.next_line()) {
@@ -120,7 +119,7 @@ class ObjScan {
     }
   }
 
-  /// First pass: v, vt, vn, vc. Faces may name what comes behind them.
+  /// First pass: v, vt, vn, vc, mtllib. Faces may name what comes behind them.
   void scan_attributes() {
     for_each_line([this](TextCursor& cursor, std::string_view keyword) {
       if (keyword == "v") {
@@ -135,6 +134,8 @@ class ObjScan {
         ++n_face_lines_;
       } else if (keyword == "usemtl") {
         has_usemtl_ = true;
+      } else if (keyword == "mtllib") {
+        materials_.read_libraries(cursor.rest_of_line());
       }
     });
   }
@@ -164,6 +165,10 @@ class ObjScan {
       has_colors_ = true;
     }
     file_.colors.push_back({extra[0], extra[1], extra[2]});
+    if (n == 4) {
+      file_.opacities.resize(n_vertices_ - 1, opacity_not_given);
+      file_.opacities.push_back(extra[3]);
+    }
   }
 
   static LinearRgb scan_color(TextCursor& cursor) {
@@ -187,7 +192,7 @@ class ObjScan {
     normals_.push_back(n);
   }
 
-  /// Second pass: f, usemtl, mtllib; the attributes before each line are counted for relative indices.
+  /// Second pass: f, usemtl; the attributes before each line are counted for relative indices.
   void scan_faces() {
     if (!texcoords_.empty() || !normals_.empty() || has_usemtl_) splitter_.emplace(n_vertices_);
     if (!texcoords_.empty()) file_.texcoords.assign(n_vertices_, glm::vec2(0));
@@ -207,12 +212,11 @@ class ObjScan {
         scan_face(cursor, material);
       } else if (keyword == "usemtl") {
         material = materials_.use(std::string(cursor.rest_of_line()));
-      } else if (keyword == "mtllib") {
-        materials_.read_library(std::string(cursor.rest_of_line()));
       } else if (keyword == "l" || keyword == "p") {
         ++n_lines_and_points_;
       } else {
-        constexpr std::string_view ignored[] = {"vc", "vp", "g", "o", "s", "mg", "lod", "usemap", "maplib"};
+        constexpr std::string_view ignored[] = {"vc", "vp",  "g",      "o",      "s",
+                                                "mg", "lod", "usemap", "maplib", "mtllib"};
         n_unknown += std::find(std::begin(ignored), std::end(ignored), keyword) == std::end(ignored);
       }
     });
@@ -236,6 +240,7 @@ class ObjScan {
   void scan_face(TextCursor& cursor, std::uint32_t material) {
     corners_.clear();
     for (; !cursor.at_line_end();) {
+      const char* const begin = cursor.position();
       Corner corner{scan_index(cursor, 0, n_vertices_), none, none};
       if (cursor.accept('/')) {
         if (!cursor.at_separator() && !cursor.accept('/')) {
@@ -246,7 +251,7 @@ class ObjScan {
           corner.normal = scan_index(cursor, 2, normals_.size());
         }
       }
-      if (!cursor.at_separator()) cursor.fail("v, v/vt, v//vn or v/vt/vn", cursor.token());
+      if (!cursor.at_separator()) cursor.fail_at(begin, "v, v/vt, v//vn or v/vt/vn");
       corners_.push_back(corner);
     }
     set_material(static_cast<std::uint32_t>(file_.n_faces++), material);
@@ -315,7 +320,8 @@ class ObjScan {
     }
     add_finding(file_.findings, "vertices_without_color", n_uncolored_,
                 "vert[ex has|ices have] no colour; white instead");
-    decode_file_colors(file_.colors, file_.findings);
+    if (!file_.opacities.empty()) file_.opacities.resize(n_vertices_, opacity_not_given);
+    decode_file_opacities(file_.opacities, decode_file_colors(file_.colors, file_.findings));
     extend_to_copies(file_);
 
     splitter_.reset();

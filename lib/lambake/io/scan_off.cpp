@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstring>
 #include <limits>
 
@@ -41,6 +42,7 @@ OffHeader scan_header(TextCursor& cursor) {
 class OffColors {
  public:
   bool empty() const { return colors_.empty(); }
+  std::size_t n_given() const { return is_given_.size() - n_missing_; }
   /// Reads what is left on the line: nothing, an index into a colour map (not read), r g b, or r g b alpha.
   void scan(TextCursor& cursor) {
     float values[4];
@@ -55,6 +57,10 @@ class OffColors {
     if (n >= 3) {
       colors_.resize(is_given_.size());  // Most files have none at all.
       colors_.push_back({values[0], values[1], values[2]});
+      if (n == 4) {
+        opacities_.resize(is_given_.size(), opacity_not_given);
+        opacities_.push_back(values[3]);
+      }
     } else {
       n_map_indices_ += n > 0;
       ++n_missing_;
@@ -64,22 +70,34 @@ class OffColors {
   /// Linear colours, one for each call of scan.
   std::vector<LinearRgb> decode(const char* what, Findings& findings) {
     colors_.resize(is_given_.size());
+    const ChannelNumbers channels = is_float_ ? ChannelNumbers::floats : ChannelNumbers::whole;
     for (std::size_t i = 0; i < colors_.size(); ++i) {
       if (!is_given_[i])
         colors_[i] = {1, 1, 1};
       else if (!is_float_)
         colors_[i] = colors_[i] * (1.0f / 255.0f);
     }
-    decode_file_colors(colors_, findings);
+    decode_opacities(decode_file_colors(colors_, findings, channels));
     add_finding(findings, "color_map_indices", n_map_indices_,
                 "colour[ is a number|s are numbers] in a colour map; white instead");
     add_finding(findings, "missing_colors", n_missing_ - n_map_indices_,
                 fmt::format("{} ha[s|ve] no colour though others have; white instead", what));
     return std::move(colors_);
   }
+  /// After decode(): in [0,1] or above, one for each call of scan, or none.
+  std::vector<float> take_opacities() { return std::move(opacities_); }
 
  private:
+  void decode_opacities(bool counts_to_255) {
+    if (opacities_.empty()) return;
+    opacities_.resize(is_given_.size(), opacity_not_given);
+    if (!is_float_)
+      for (float& opacity : opacities_) opacity /= 255.0f;
+    decode_file_opacities(opacities_, counts_to_255);
+  }
+
   std::vector<LinearRgb> colors_;
+  std::vector<float> opacities_;
   std::vector<bool> is_given_;
   std::size_t n_map_indices_ = 0, n_missing_ = 0;
   bool is_float_ = false;
@@ -112,9 +130,21 @@ class OffScan {
   void scan_counts() {
     file_.n_vertices = scan_count("vertices", 6);
     file_.n_faces = scan_count("faces", 2);
-    if (!cursor_.at_line_end()) cursor_.integer<std::int64_t>("the number of edges");
-    if (!cursor_.at_line_end()) cursor_.fail("the end of the line", cursor_.token());
     if (file_.n_faces == 0) cursor_.fail("faces", "0");
+    scan_edge_count();
+  }
+
+  /// Some files leave the number of edges out: it is on the line of that of the faces, or alone on the next.
+  void scan_edge_count() {
+    if (cursor_.at_line_end()) {
+      cursor_.skip_to_token();
+      TextCursor ahead = cursor_;
+      const std::string_view token = ahead.token();
+      if (!ahead.at_line_end() || token.find_first_not_of("+-0123456789") != std::string_view::npos) return;
+    }
+    if (cursor_.at_line_end()) return;  // And at the end of the file.
+    cursor_.integer<std::int64_t>("the number of edges");
+    if (!cursor_.at_line_end()) cursor_.fail("the end of the line", cursor_.token());
   }
 
   glm::vec3 scan_vector(const char* expected) {
@@ -178,14 +208,26 @@ class OffScan {
     Findings& findings = file_.findings;
     add_finding(findings, "unread_colors", n_textured_colors_,
                 "vert[ex has|ices have] a colour before a texture coordinate; not read");
+    add_finding(findings, "lines_left_over", cursor_.count_lines(),
+                "line[|s] behind the last face [is|are] not read");
     // Colours of the vertices are finer than those of the faces: where a file has both, they win.
-    if (!vertex_colors_.empty())
+    if (!vertex_colors_.empty()) {
       file_.colors = vertex_colors_.decode("vert[ex|ices]", findings);
-    else if (!face_colors_.empty())
+      file_.opacities = vertex_colors_.take_opacities();
+      tell_unused_face_colors(face_colors_.n_given(), findings);
+    } else if (!face_colors_.empty()) {
       split_by_colors(face_colors_.decode("face[|s]", findings));
+      tell_transparent_faces(face_colors_.take_opacities());
+    }
     kept_.finish(path_);
     extend_to_copies(file_);
     write_canonical_ply(std::move(vertex_rows_), std::move(face_rows_), kept_.n_kept(), file_);
+  }
+
+  void tell_transparent_faces(const std::vector<float>& opacities) {
+    const auto n = std::count_if(opacities.begin(), opacities.end(), [](float o) { return !(o >= 1); });
+    add_finding(file_.findings, "transparent_faces", static_cast<std::size_t>(n),
+                "face[ is|s are] transparent; drawn opaque");
   }
 
   /// Gives the corners of each face the colour of the face, and new vertices where these differ.

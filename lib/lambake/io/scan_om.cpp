@@ -286,6 +286,7 @@ class OmScan {
     const bool has_face_colors = !face_colors_.empty() && file_.colors.empty();
     const bool has_corner_texcoords = !corner_texcoords_.empty();
     if (has_face_colors) decode_file_colors(face_colors_, file_.findings);
+    if (!has_face_colors) tell_unused_face_colors(face_colors_.size(), file_.findings);
     decode_file_colors(file_.colors, file_.findings);
     CornerAttributes attributes(file_, has_corner_texcoords, has_face_colors);
     KeptFaces kept(file_);

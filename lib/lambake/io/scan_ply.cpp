@@ -22,13 +22,6 @@
 namespace lambake {
 namespace {
 
-void tell_bytes_left_over(std::size_t n, Findings& findings) {
-  constexpr std::size_t n_of_a_line_end = 2;
-  if (n > n_of_a_line_end)
-    add_finding(findings, "bytes_left_over", n,
-                "byte[|s] behind the last element of the header [is|are] not read");
-}
-
 /// Values of an ASCII body. Like every reader of PLY it takes line ends for blanks.
 class AsciiBody {
  public:
@@ -47,10 +40,7 @@ class AsciiBody {
   std::size_t remaining() const { return cursor_.remaining(); }
   std::size_t least_size(PlyType) const { return 2; }
   void tell_rest(Findings& findings) {
-    cursor_.next_line();
-    std::size_t n_lines = 0;
-    for (; cursor_.skip_to_token(); cursor_.next_line()) ++n_lines;
-    add_finding(findings, "lines_left_over", n_lines,
+    add_finding(findings, "lines_left_over", cursor_.count_lines(),
                 "line[|s] behind the last element of the header [is|are] not read");
   }
   std::string place() const { return fmt::format("line {}", cursor_.line()); }
@@ -165,6 +155,10 @@ Role role_in_face(const PlyProperty& p) {
   return p.name == "texnumber" ? Role::texture : Role::none;
 }
 
+bool is_color(Role role) {
+  return role == Role::red || role == Role::green || role == Role::blue;
+}
+
 /// What a colour channel is divided by to lie in [0,1].
 float channel_scale(PlyType type) {
   if (is_float(type)) return 1;
@@ -190,8 +184,11 @@ class PlyScan {
     if (vertex->count > std::numeric_limits<std::int32_t>::max())
       throw IoError(path_, fmt::format("line {}: expected fewer than 2^31 vertices, found {}", vertex->line,
                                        vertex->count));
-    const PlyElement* face = find("face");
-    if (face == nullptr || face->count == 0) face = find("tristrips");
+    const PlyElement *face = find("face"), *strips = find("tristrips");
+    if (face != nullptr && strips != nullptr && face->count > 0 && strips->count > 0)
+      throw IoError(path_, fmt::format("line {}: expected either \"face\" or \"tristrips\", found both",
+                                       std::max(face->line, strips->line)));
+    if (face == nullptr || face->count == 0) face = strips;
     if (face == nullptr || face->count == 0)
       throw IoError(path_, "header: expected faces, found none (a point cloud has nothing to light)");
     file_.n_vertices = vertex->count;
@@ -253,6 +250,8 @@ class PlyScan {
     file_.has_texcoords = has_all({Role::u, Role::v});
     const bool has_colors = has_all({Role::red, Role::green, Role::blue});
     if (has_colors) file_.colors.reserve(element.count);
+    for (const PlyProperty& p : element.properties)
+      if (has_colors && is_color(role_in_vertex(p)) && is_float(p.type)) channels_ = ChannelNumbers::floats;
     const bool has_alpha = has_colors && has_all({Role::alpha});
     if (has_alpha) file_.opacities.reserve(element.count);
     const std::size_t row_size = 4 * (3 + (file_.has_normals ? 3 : 0) + (file_.has_texcoords ? 2 : 0));
@@ -286,8 +285,7 @@ class PlyScan {
     bool has_texcoords = false, has_texture = false, has_indices = false;
     for (const PlyProperty& p : element.properties) {
       roles.push_back(role_in_face(p));
-      if (roles.back() >= Role::red && roles.back() <= Role::blue)
-        channels[static_cast<int>(roles.back()) - static_cast<int>(Role::red)] = &p;
+      if (is_color(roles.back())) channels[static_cast<int>(roles.back()) - static_cast<int>(Role::red)] = &p;
       has_texcoords = has_texcoords || roles.back() == Role::texcoords;
       has_texture = has_texture || roles.back() == Role::texture;
       has_indices = has_indices || roles.back() == Role::indices;
@@ -297,9 +295,16 @@ class PlyScan {
                     fmt::format("line {}: expected a list \"vertex_indices\" of \"face\"", element.line));
     // Colours of the vertices are finer than those of the faces: where a file has both, they win.
     const PlyElement& vertex = *find("vertex");
-    const bool vertex_has_colors = std::any_of(vertex.properties.begin(), vertex.properties.end(),
-                                               [](const auto& p) { return role_in_vertex(p) == Role::red; });
-    const bool has_colors = channels[0] && channels[1] && channels[2] && !vertex_has_colors;
+    const auto vertex_has = [&vertex](Role role) {
+      return std::any_of(vertex.properties.begin(), vertex.properties.end(),
+                         [role](const auto& p) { return role_in_vertex(p) == role; });
+    };
+    const bool vertex_has_colors = vertex_has(Role::red) && vertex_has(Role::green) && vertex_has(Role::blue);
+    const bool face_has_colors = channels[0] && channels[1] && channels[2];
+    const bool has_colors = face_has_colors && !vertex_has_colors;
+    for (const PlyProperty* p : channels)
+      if (has_colors && is_float(p->type)) channels_ = ChannelNumbers::floats;
+    if (face_has_colors && vertex_has_colors) tell_unused_face_colors(element.count, file_.findings);
     corner_attributes_.emplace(file_, has_texcoords, has_colors, has_texture);
     face_rows_.reserve(16 * element.count);  // Of triangles.
 
@@ -412,12 +417,14 @@ class PlyScan {
   void finish() {
     kept_.finish(path_);
     body_.tell_rest(file_.findings);
-    if (!header_.has_linear_colors) decode_file_colors(file_.colors, file_.findings);
+    if (!header_.has_linear_colors)
+      decode_file_opacities(file_.opacities, decode_file_colors(file_.colors, file_.findings, channels_));
     if (corner_attributes_) corner_attributes_->finish();
+    FileTextures textures(path_, file_);
     for (const std::string& name : header_.texture_files) {
       Material material;
       material.name = utf8_of(name);
-      material.base_color_texture = add_file_texture(path_, name, file_);
+      material.base_color_texture = textures.use(name);
       file_.materials.push_back(material);
     }
     if (!file_.materials.empty()) file_.materials.emplace_back();  // For faces without one.
@@ -433,6 +440,7 @@ class PlyScan {
   CanonicalFile& file_;
   std::optional<CornerAttributes> corner_attributes_;
   KeptFaces kept_;
+  ChannelNumbers channels_ = ChannelNumbers::whole;  // Of the colours that are used.
   std::string vertex_rows_, face_rows_;
 };
 

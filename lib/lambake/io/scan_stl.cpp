@@ -5,6 +5,7 @@
 #include <cctype>
 #include <cmath>
 #include <cstring>
+#include <limits>
 
 #include "lambake/core/bounds.h"
 #include "lambake/core/error.h"
@@ -25,7 +26,8 @@ using Corners = std::array<glm::vec3, 3>;
 /// Gathers facets, their corners welded where positions are exactly equal (−0 equals 0).
 class FacetSink {
  public:
-  explicit FacetSink(CanonicalFile& file) : file_(file) {}
+  /// @param path  of the file, for messages.
+  FacetSink(const std::string& path, CanonicalFile& file) : path_(path), file_(file) {}
 
   void reserve(std::size_t n_facets) { face_rows_.reserve(16 * n_facets); }
   void add(const Corners& corners) {
@@ -35,6 +37,9 @@ class FacetSink {
       const std::size_t n_before = numbers_.size();
       ids[c] = numbers_.number_of(p.x + 0.0f, p.y + 0.0f, p.z + 0.0f);
       if (numbers_.size() > n_before) vertex_rows_.append(reinterpret_cast<const char*>(&p), sizeof p);
+      if (numbers_.size() > std::numeric_limits<std::int32_t>::max())
+        throw IoError(
+            path_, fmt::format("facet {}: expected fewer than 2^31 vertices, found more", file_.n_faces + 1));
     }
     append_face_row(face_rows_, ids);
     ++file_.n_faces;
@@ -46,6 +51,7 @@ class FacetSink {
   }
 
  private:
+  const std::string& path_;
   CanonicalFile& file_;
   ValueNumbers numbers_;
   std::string vertex_rows_, face_rows_;
@@ -62,7 +68,7 @@ void scan_binary(const std::string& path, InputFile& input, CanonicalFile& file)
                                     "hold, found {}",
                                     n_held, input.size(), n));
   if (n == 0) throw IoError(path, "byte 80: expected triangles, found 0");
-  FacetSink sink(file);
+  FacetSink sink(path, file);
   sink.reserve(n);
   std::size_t n_words = 0;
   std::string block;
@@ -92,7 +98,7 @@ bool is_keyword(std::string_view token, std::string_view keyword) {
 class AsciiStlScan {
  public:
   AsciiStlScan(const std::string& path, InputFile& input, CanonicalFile& file)
-      : blocks_(input), cursor_(path, blocks_, 0), file_(file), sink_(file) {
+      : blocks_(input), cursor_(path, blocks_, 0), file_(file), sink_(path, file) {
     constexpr std::size_t shortest_facet = 86;  // With one character for each number and blank.
     sink_.reserve(input.size() / shortest_facet);
   }
@@ -148,13 +154,22 @@ class AsciiStlScan {
   FacetSink sink_;
 };
 
-/// By the size, as the header of a binary file may begin with "solid" too.
+bool has_facet(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text.find("facet") != std::string::npos;
+}
+
+/// By the size, as the header of a binary file may begin with "solid" too. Bytes may follow the facets then,
+/// if nothing in the beginning looks like a text.
 bool is_binary_stl(const std::string& path, InputFile& input) {
-  char header[binary_header_size];
-  if (input.read(header, binary_header_size) == binary_header_size) {
+  std::string beginning(1024, '\0');
+  beginning.resize(input.read(beginning.data(), beginning.size()));
+  if (beginning.size() >= binary_header_size) {
     std::uint32_t n = 0;
-    std::memcpy(&n, header + 80, 4);
-    if (binary_header_size + std::size_t{n} * facet_size == input.size()) return true;
+    std::memcpy(&n, beginning.data() + 80, 4);
+    const std::size_t size = binary_header_size + std::size_t{n} * facet_size;
+    if (size == input.size() || (n > 0 && size < input.size() && !has_facet(beginning))) return true;
   }
   input.rewind();
   TextBlocks blocks(input);

@@ -12,6 +12,12 @@
 
 namespace lambake {
 
+/// The text without the three bytes that some programs put in front of UTF-8.
+inline std::string_view without_byte_order_mark(std::string_view text) {
+  constexpr std::string_view mark = "\xEF\xBB\xBF";
+  return text.starts_with(mark) ? text.substr(mark.size()) : text;
+}
+
 /// A place in a text that is read token by token, strictly: whatever is not what was asked for throws IoError
 /// with the line. Lines end with LF, CR LF or CR.
 class TextCursor {
@@ -61,6 +67,12 @@ class TextCursor {
     }
     return true;
   }
+  /// How many lines from here on have a token; moves to the end of the text.
+  std::size_t count_lines() {
+    std::size_t n = 0;
+    for (; skip_to_token(); next_line()) ++n;
+    return n;
+  }
   /// The token here; empty at the end of the line.
   std::string_view token() {
     if (at_line_end()) return {};
@@ -68,9 +80,9 @@ class TextCursor {
     while (at_ != end_ && !is_separator(*at_)) ++at_;
     return {begin, static_cast<std::size_t>(at_ - begin)};
   }
-  /// The rest of the line without blanks around it.
+  /// The rest of the line without blanks around it: a name, in which no character begins a comment.
   std::string_view rest_of_line() {
-    if (at_line_end()) return {};
+    while (at_ != end_ && is_blank(*at_)) ++at_;
     const char* const begin = at_;
     while (at_ != end_ && !is_newline(*at_)) ++at_;
     const char* last = at_;
@@ -96,8 +108,9 @@ class TextCursor {
   template <typename Integer>
   Integer integer(const char* expected) {
     if (at_line_end()) fail(expected, {});
+    const char* const begin = at_;
     const Integer value = integer_prefix<Integer>(expected);
-    if (at_ != end_ && !is_separator(*at_)) fail(expected, token());
+    if (at_ != end_ && !is_separator(*at_)) fail_at(begin, expected);
     return value;
   }
   /// The same, but anything may follow it.
@@ -119,6 +132,11 @@ class TextCursor {
   }
   bool at_separator() const { return at_ == end_ || is_separator(*at_); }
 
+  /// Fails for the token that begins at `begin`, a position that the cursor has passed on this line.
+  [[noreturn]] void fail_at(const char* begin, const std::string& expected) {
+    at_ = begin;
+    fail(expected, token());
+  }
   [[noreturn]] void fail(const std::string& expected, std::string_view found) const {
     throw IoError(*path_, "line " + std::to_string(line_) + ": expected " + expected + ", found " +
                               (found.empty() ? describe_end() : quote(found)));
