@@ -330,6 +330,37 @@ TEST(HostileGltf, EachMemberOfAnotherType_IsRefusedByItsPlace) {
     }
 }
 
+// Indices are ints in tinygltf: 2^32 + i would be read as i, and 2^32 - 1 as none.
+TEST(HostileGltf, WholeNumbersPast31Bits_AreRefusedByTheirPlace) {
+  ordered_json sound = lit_triangle();
+  sound["skins"] = {{{"joints", {0}}, {"inverseBindMatrices", 0}}};
+  std::vector<ordered_json::json_pointer> places;
+  const std::function<void(const ordered_json::json_pointer&)> collect = [&](const auto& place) {
+    const ordered_json& value = sound.at(place);
+    if (value.is_number_unsigned()) places.push_back(place);
+    if (value.is_object())
+      for (const auto& [key, unused] : value.items()) collect(place / key);
+    if (value.is_array())
+      for (std::size_t i = 0; i < value.size(); ++i) collect(place / i);
+  };
+  collect(ordered_json::json_pointer());
+  ASSERT_GT(places.size(), 35U);
+  for (const auto& place : places)
+    for (const std::uint64_t number :
+         {std::uint64_t{1} << 31, (std::uint64_t{1} << 32) - 1,
+          (std::uint64_t{1} << 32) + sound.at(place).get<std::uint64_t>(), ~std::uint64_t{0}}) {
+      SCOPED_TRACE(place.to_string() + " " + std::to_string(number));
+      ordered_json json = sound;
+      json.at(place) = number;
+      const auto [message, exit_code] = outcome_of(json.dump());
+      EXPECT_EQ(exit_code, 3) << message;
+      // Of a size that is past its file, what holds it is named.
+      const bool is_size = place.back() == "count" || place.back().starts_with("byte");
+      EXPECT_NE(message.find(place_of(is_size ? place.parent_pointer() : place)), std::string::npos)
+          << message;
+    }
+}
+
 // tinygltf finds the buffers, which are in memory, under names of ours.
 TEST(HostileGltf, ImagesWithTheNamesOfBuffers_AreFilesLikeOthers) {
   for (const char* name :
