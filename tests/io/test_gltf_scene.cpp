@@ -146,6 +146,37 @@ TEST(GltfScene, LightsOfTheFile_AreDividedByPi_AndPlacedByTheirNodes) {
   EXPECT_TRUE(read_gltf_file(path, {.gltf_scene = "", .use_file_lights = false}).scene.lights.empty());
 }
 
+/// The box of Lights.glb with one spot light of these angles.
+SceneFile read_spot(double inner_cone_rad, double outer_cone_rad) {
+  Glb glb = read_glb(meshes_folder() + "gltf/Lights.glb");
+  ordered_json& lights = glb.json["extensions"]["KHR_lights_punctual"]["lights"];
+  for (ordered_json& light : lights)
+    light = {{"type", "spot"},
+             {"spot", {{"innerConeAngle", inner_cone_rad}, {"outerConeAngle", outer_cone_rad}}}};
+  const std::string path = temporary_file("spot.gltf"), bin = temporary_file("spot.bin");
+  write_bytes(bin, glb.bin);
+  glb.json["buffers"][0]["uri"] = std::filesystem::path(bin).filename().string();
+  write_bytes(path, glb.json.dump());
+  return read_gltf_file(path, {});
+}
+
+// three.js writes equal angles for a light of penumbra 0, which the extension forbids.
+TEST(GltfScene, ConesWithoutARamp_AreReadAndTold) {
+  const float angle = 0.785398163f;
+  for (const double inner : {0.785398163397448, 0.785398163397448 - 1e-9, 0.785398163397448 + 1e-9}) {
+    const SceneFile file = read_spot(inner, 0.785398163397448);
+    ASSERT_FALSE(file.scene.lights.empty());
+    for (const Light& light : file.scene.lights) {
+      EXPECT_FLOAT_EQ(light.inner_cone_rad, angle);
+      EXPECT_FLOAT_EQ(light.outer_cone_rad, angle);
+    }
+    EXPECT_EQ(count_of(file.findings, "cones_without_ramp"), file.scene.lights.size());
+  }
+  EXPECT_EQ(count_of(read_spot(0.5, 0.75).findings, "cones_without_ramp"), 0U);
+  EXPECT_THROW(read_spot(0.5, 0.499), IoError);
+  EXPECT_THROW(read_spot(0, 0), IoError);
+}
+
 TEST(GltfScene, Cameras_PerspectiveAndOrthographic_LookAlongTheirNodes) {
   const Scene scene = read_scene("Cameras.gltf");
   ASSERT_EQ(scene.cameras.size(), 2U);

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -235,6 +236,13 @@ class SceneReader {
     return n;
   }
 
+  std::size_t n_cones_without_ramp() const {
+    return static_cast<std::size_t>(
+        std::count_if(scene_.lights.begin(), scene_.lights.end(), [](const Light& light) {
+          return light.type == LightType::spot && light.inner_cone_rad == light.outer_cone_rad;
+        }));
+  }
+
   void tell() {
     add_finding(findings_, "points_and_lines", n_points_and_lines_,
                 "primitive[ is|s are] points or lines; kept as [it is|they are], not lit");
@@ -254,6 +262,9 @@ class SceneReader {
                 "node[ has|s have] morph targets; baked with the weights of the file");
     add_finding(findings_, "light_units", scene_.lights.size(),
                 "light[|s] of the file [is|are] in lux or candela; divided by pi (docs/gltf.md)");
+    add_finding(findings_, "cones_without_ramp", n_cones_without_ramp(),
+                "spot light[ has an inner cone angle that equals its|s have inner cone angles that equal "
+                "their] outer one; lit with the narrowest ramp, 0.001 in the cosine");
     std::size_t n_outside = 0;
     const std::set<std::size_t> inside(nodes_.begin(), nodes_.end());
     for (std::size_t n = 0; n < model().nodes.size(); ++n)
