@@ -228,6 +228,29 @@ TEST(GltfScene, TextureTransform_TurnsAgainstTheClock_WhereVPointsDown) {
   EXPECT_NEAR(uv.y, 0.5 - 2 * 0.1, 1e-6);
 }
 
+TEST(GltfScene, ImageNames_AreUrisWhosePlusIsAPlus) {
+  const std::string folder = meshes_folder() + "gltf/Duck/";
+  ordered_json json = ordered_json::parse(read_bytes(folder + "Duck.gltf"));
+  json["buffers"][0]["uri"] = folder + "Duck0.bin";
+  std::filesystem::copy_file(folder + "DuckCM.png", temporary_file("a+b 100%.png"),
+                             std::filesystem::copy_options::overwrite_existing);
+  const std::string prefix = std::filesystem::path(temporary_file("")).filename().string();
+  const std::string path = temporary_file("plus.gltf");
+  for (const char* uri : {"a+b 100%.png", "a+b%20100%25.png", "a%2Bb%20100%25.png", "%61+b 100%.png"}) {
+    json["images"][0]["uri"] = prefix + uri;
+    write_bytes(path, json.dump());
+    EXPECT_EQ(read_gltf_file(path, {}).scene.images.at(0).width, 512U) << uri;
+  }
+  json["images"][0]["uri"] = "no+where.png";
+  write_bytes(path, json.dump());
+  try {
+    read_gltf_file(path, {});
+    FAIL();
+  } catch (const IoError& error) {
+    EXPECT_NE(std::string(error.what()).find("\"no+where.png\""), std::string::npos) << error.what();
+  }
+}
+
 TEST(GltfScene, SkinnedMesh_InItsBindPose_StandsWhereTheFileSays) {
   // RiggedSimple's cylinder reaches from -5.. along its bones; its pose in the file is the bind pose.
   const Bounds box = bounds_of(read_scene("RiggedSimple.glb").mesh.positions);

@@ -62,6 +62,17 @@ bool keep_image(tinygltf::Image* image, int, std::string*, std::string*, int, in
   return true;
 }
 
+/// A name as tinygltf decodes it, which takes + for a blank.
+std::string encode_for_tinygltf(const std::string& name) {
+  std::string uri;
+  for (const char c : name)
+    if (c == '+' || c == '%')
+      uri += c == '+' ? "%2B" : "%25";
+    else
+      uri += c;
+  return uri;
+}
+
 /// What tinygltf stumbles over though the specification allows it, or that it need not see.
 void prepare(GltfJson& plain, std::vector<std::vector<unsigned char>>& buffers) {
   for (std::size_t i = 0; i < buffers.size(); ++i) {
@@ -70,6 +81,11 @@ void prepare(GltfJson& plain, std::vector<std::vector<unsigned char>>& buffers) 
     buffer["byteLength"] = buffers[i].size();
     buffer["uri"] = std::string(buffer_prefix) + std::to_string(i);
   }
+  if (member(plain, "images").is_array())
+    for (GltfJson& image : plain["images"])
+      if (const GltfJson& uri = member(image, "uri"); uri.is_string())
+        if (const std::string text = uri; !text.starts_with("data:"))
+          image["uri"] = encode_for_tinygltf(decode_percent(text));
   if (member(plain, "accessors").is_array())
     for (GltfJson& accessor : plain["accessors"])
       if (member(accessor, "sparse").is_object())

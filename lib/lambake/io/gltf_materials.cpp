@@ -8,6 +8,7 @@
 #include "lambake/core/error.h"
 #include "lambake/io/gltf_source.h"
 #include "lambake/io/image_file.h"
+#include "lambake/io/json_text.h"
 
 namespace lambake {
 namespace {
@@ -125,8 +126,8 @@ class MaterialReader {
       const std::vector<unsigned char>& bytes = asset_.model.images[index].image;
       const std::string name = fmt::format("{}: images[{}]", asset_.path, index);
       if (bytes.empty())
-        throw IoError(name,
-                      fmt::format("expected a file \"{}\", found none", asset_.model.images[index].uri));
+        throw IoError(
+            name, "expected a file " + shown(member(asset_.json["images"][index], "uri")) + ", found none");
       scene_.images.push_back(decode_image(std::as_bytes(std::span(bytes)), name));
     }
     return place->second;

@@ -147,6 +147,24 @@ std::vector<unsigned char> read_buffer(const GltfSource& source, std::size_t ind
   return bytes;
 }
 
+}  // namespace
+
+bool is_known_extension(const std::string& name) {
+  return std::find(known_extensions.begin(), known_extensions.end(), name) != known_extensions.end();
+}
+
+const GltfJson& member(const GltfJson& json, const char* key) {
+  static const GltfJson none;
+  if (!json.is_object()) return none;
+  const auto it = json.find(key);
+  return it == json.end() ? none : *it;
+}
+
+std::uint64_t whole_or(const GltfJson& json, const char* key, std::uint64_t fallback) {
+  const GltfJson& value = member(json, key);
+  return value.is_null() ? fallback : value.get<std::uint64_t>();
+}
+
 std::string decode_percent(const std::string& uri) {
   std::string text;
   for (std::size_t i = 0; i < uri.size(); ++i) {
@@ -164,24 +182,6 @@ std::string decode_percent(const std::string& uri) {
     }
   }
   return text;
-}
-
-}  // namespace
-
-bool is_known_extension(const std::string& name) {
-  return std::find(known_extensions.begin(), known_extensions.end(), name) != known_extensions.end();
-}
-
-const GltfJson& member(const GltfJson& json, const char* key) {
-  static const GltfJson none;
-  if (!json.is_object()) return none;
-  const auto it = json.find(key);
-  return it == json.end() ? none : *it;
-}
-
-std::uint64_t whole_or(const GltfJson& json, const char* key, std::uint64_t fallback) {
-  const GltfJson& value = member(json, key);
-  return value.is_null() ? fallback : value.get<std::uint64_t>();
 }
 
 std::filesystem::path file_beside(const std::string& path, const std::string& uri) {

@@ -27,6 +27,9 @@ GltfSource read_gltf_source(const std::string& path);
 /// The file that a relative URI names, beside `path`.
 std::filesystem::path file_beside(const std::string& path, const std::string& uri);
 
+/// A URI's text with %XX replaced by what it stands for; all else is literal, + too (RFC 3986).
+std::string decode_percent(const std::string& uri);
+
 /// Extensions whose meaning for Lambert light is taken in, or that have none.
 bool is_known_extension(const std::string& name);
 
