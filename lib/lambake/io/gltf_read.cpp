@@ -148,8 +148,8 @@ class SceneReader {
     std::iota(sources.begin(), sources.end(), n_source_vertices_);
     append(mesh.source_vertices, std::move(sources));
     n_source_vertices_ += static_cast<std::uint32_t>(n);
-    read_colors(primitive, selection, where);
-    for (std::size_t set = 0; set < 2; ++set) read_texcoords(primitive, set, selection, where);
+    read_colors(node, primitive, selection, where);
+    for (std::size_t set = 0; set < 2; ++set) read_texcoords(node, primitive, set, selection, where);
 
     const auto material = static_cast<std::uint32_t>(primitive.material >= 0 ? index_of(primitive.material)
                                                                              : model().materials.size());
@@ -164,7 +164,7 @@ class SceneReader {
     asset_.placed.push_back(std::move(placed));
   }
 
-  void read_colors(const tinygltf::Primitive& primitive, const VertexSelection& selection,
+  void read_colors(std::size_t node, const tinygltf::Primitive& primitive, const VertexSelection& selection,
                    const std::string& where) {
     Mesh& mesh = scene_.mesh;
     if (!has_colors_) return;
@@ -176,7 +176,7 @@ class SceneReader {
     }
     const std::size_t n_components = n_components_of(model().accessors[index_of(found->second)]) == 4 ? 4 : 3;
     const std::vector<float> values =
-        read_attribute(asset_, primitive.attributes, "COLOR_0", n_components, selection, where);
+        read_morphed(asset_, model().nodes[node], primitive, "COLOR_0", n_components, selection, where);
     const auto unit = [](float x) { return x >= 0 ? std::min(x, 1.0f) : 0.0f; };
     if (mesh.colors.empty()) mesh.colors.reserve(selection.size());
     for (std::size_t i = 0; i < selection.size(); ++i) {
@@ -186,12 +186,12 @@ class SceneReader {
     }
   }
 
-  void read_texcoords(const tinygltf::Primitive& primitive, std::size_t set, const VertexSelection& selection,
-                      const std::string& where) {
+  void read_texcoords(std::size_t node, const tinygltf::Primitive& primitive, std::size_t set,
+                      const VertexSelection& selection, const std::string& where) {
     if (!has_texcoords_[set]) return;
     std::vector<glm::vec2>& texcoords = scene_.mesh.texcoords[set];
-    const std::vector<float> values =
-        read_attribute(asset_, primitive.attributes, fmt::format("TEXCOORD_{}", set), 2, selection, where);
+    const std::vector<float> values = read_morphed(asset_, model().nodes[node], primitive,
+                                                   fmt::format("TEXCOORD_{}", set), 2, selection, where);
     for (std::size_t i = 0; i < values.size() / 2; ++i)
       texcoords.emplace_back(values[2 * i], values[2 * i + 1]);
     texcoords.resize(scene_.mesh.n_vertices(), glm::vec2(0));

@@ -259,7 +259,8 @@ void PrimitiveRewriter::rewrite(GltfJson& primitive, const BakedPrimitive& baked
   if (primitive.contains("targets"))
     for (GltfJson& target : primitive["targets"])
       for (auto& [semantic, accessor] : target.items())
-        accessor = rewrite_accessor(accessor.get<std::size_t>(), semantic, baked, true);
+        if (semantic != skipped)
+          accessor = rewrite_accessor(accessor.get<std::size_t>(), semantic, baked, true);
   const IndexElements indices(baked.triangles, baked.vertices.size());
   primitive["indices"] = append_once(indices.elements(), "");
   primitive.erase("mode");

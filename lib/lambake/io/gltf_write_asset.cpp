@@ -137,6 +137,7 @@ class AssetWriter {
       rewriter.rewrite(primitive, baked, options_.attribute);
       ++n_rewritten_;
     }
+    n_morphed_ += drop_targets_of_light(primitive, document.json);
     const bool had_color = has_color(asset_, placed);
     if (had_color && replaces_color(options_)) ++n_multiplied_;
     const EncodedColors encoded = encode(placed, baked, had_color);
@@ -144,6 +145,28 @@ class AssetWriter {
     negative_ += encoded.negative;
     primitive["attributes"][options_.attribute] = append_accessor(document, encoded.elements());
     document.json["meshes"][mesh]["primitives"][placed.primitive] = std::move(primitive);
+  }
+
+  /// The light has the colours of the morph targets in it, which a viewer would add again. A target that has
+  /// nothing else keeps its place and its weight, with positions that do not move.
+  /// @returns whether there were any.
+  bool drop_targets_of_light(GltfJson& primitive, GltfJson& json) const {
+    bool has_any = false;
+    if (!member(primitive, "targets").is_array()) return has_any;
+    for (GltfJson& target : primitive["targets"]) {
+      if (target.erase(options_.attribute) == 0) continue;
+      has_any = true;
+      if (!target.empty()) continue;
+      const std::size_t position = primitive["attributes"]["POSITION"];
+      const GltfJson& count = json["accessors"][position]["count"];
+      target["POSITION"] = append_to(json, "accessors",
+                                     {{"componentType", gltf::float_},
+                                      {"count", count},
+                                      {"type", "VEC3"},
+                                      {"min", {0, 0, 0}},
+                                      {"max", {0, 0, 0}}});
+    }
+    return has_any;
   }
 
   /// The colours of a primitive's vertices: light, times the vertex colour that was there where it is
@@ -225,6 +248,9 @@ class AssetWriter {
     tell_storage(findings, written_.clipped_vertices, negative_);
     add_finding(findings, "vertex_colors_multiplied", n_multiplied_,
                 "primitive[|s] had vertex colours; the product of colour and light is written");
+    add_finding(findings, "morphed_colors_left_out", n_morphed_,
+                "primitive[ has|s have] morph targets of vertex colours; the light is that of the file's "
+                "weights, and the targets do not change it any more");
     add_finding(findings, "rewritten_primitives", n_rewritten_,
                 "primitive[ has|s have] other vertices than in the file, as corners, cuts or a vertex buffer "
                 "of several primitives need them; [its|their] attributes are written anew");
@@ -251,7 +277,7 @@ class AssetWriter {
   std::vector<std::size_t> mesh_of_node_;
   std::set<std::pair<std::size_t, std::size_t>> lit_;  ///< (mesh, primitive) of the written document.
   std::size_t negative_ = 0, n_multiplied_ = 0, n_rewritten_ = 0, emission_lost_ = 0,
-              n_with_other_extensions_ = 0, n_cut_short_ = 0;
+              n_with_other_extensions_ = 0, n_cut_short_ = 0, n_morphed_ = 0;
 };
 
 /// The .bin beside a new .gltf must not be one that the asset itself is made of, unless the asset is
