@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "io/glb_reader.h"
+#include "io/gltf_builder.h"
 #include "io/gltf_files.h"
 #include "io/lit_asset.h"
 #include "lambake/bake/bake.h"
@@ -203,6 +204,36 @@ TEST(GltfScene, WhatIsLeftOutOrChanged_IsTold) {
   EXPECT_EQ(count_of(findings, "corners_left_over"), 2U);
   EXPECT_EQ(count_of(findings, "rotations_not_unit"), 1U);
   EXPECT_EQ(count_of(findings, "factors_clamped"), 1U);
+}
+
+TEST(GltfScene, VerticesThatAreNotFinite_AreCounted_AndLeaveTheExtremesFinite) {
+  for (const float odd : {INFINITY, -INFINITY, NAN}) {
+    SCOPED_TRACE(odd);
+    GltfBuilder builder;
+    ordered_json square = builder.square();
+    square["attributes"]["POSITION"] =
+        builder.add_floats("VEC3", 4, {odd, 0, 0, 1, 0, 0, 0, 2, odd, 1, 1, 0});
+    square["attributes"]["NORMAL"] = builder.add_floats("VEC3", 4, {0, 0, 0, 0, 0, odd, 0, 0, 1, 0, 0, 1});
+    builder.add_primitive(square);
+    const SceneFile file = read_lit(builder.write());
+    EXPECT_EQ(count_of(file.findings, "non_finite_vertices"), 2U);
+    EXPECT_EQ(count_of(file.findings, "normals_without_direction"), 2U);
+    const std::string path = temporary_file("out.glb");
+    write_gltf_file(path, file, cut_first_triangle(file.scene), {});
+    const Glb glb = read_glb(path);
+    const auto& accessor = glb.json["accessors"][glb.attribute(0, 0, "POSITION")];
+    EXPECT_EQ(accessor["min"], ordered_json({0, 0, 0}));
+    EXPECT_EQ(accessor["max"], ordered_json({1, 2, 0}));
+  }
+}
+
+TEST(GltfScene, FlatPrimitiveOfNoArea_HasNoNormalsOfTheFileToCount) {
+  GltfBuilder builder;
+  ordered_json square = builder.square();
+  square["attributes"].erase("NORMAL");
+  square["attributes"]["POSITION"] = builder.add_floats("VEC3", 4, {0, 0, 0, 1, 0, 0, 0, 0, 0, 1, 1, 0});
+  builder.add_primitive(square);
+  EXPECT_EQ(count_of(read_lit(builder.write()).findings, "normals_without_direction"), 0U);
 }
 
 TEST(GltfScene, SceneThatIsNotThere_IsRefused) {

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "lambake/core/bounds.h"
 #include "lambake/core/error.h"
 #include "lambake/io/gltf.h"
 #include "lambake/io/gltf_accessor.h"
@@ -141,6 +142,7 @@ class SceneReader {
     placed.is_mirrored = vertices.is_mirrored;
     placed.triangle_begin = static_cast<std::uint32_t>(mesh.n_triangles());
     const bool is_flat = vertices.normals.empty();
+    count_defects(vertices);
     append(mesh.positions, std::move(vertices.positions));
     append(mesh.normals, std::move(vertices.normals));
     mesh.normals.resize(mesh.n_vertices(), glm::vec3(0));
@@ -162,6 +164,14 @@ class SceneReader {
     if (is_flat) shade_flat(placed);
     placed.triangle_end = static_cast<std::uint32_t>(mesh.n_triangles());
     asset_.placed.push_back(std::move(placed));
+  }
+
+  void count_defects(const WorldVertices& vertices) {
+    const auto count = [](const std::vector<glm::vec3>& values, const auto& is_odd) {
+      return static_cast<std::size_t>(std::count_if(values.begin(), values.end(), is_odd));
+    };
+    n_not_finite_ += count(vertices.positions, [](const glm::vec3& p) { return !is_finite(p); });
+    n_undirected_ += count(vertices.normals, [](const glm::vec3& n) { return n == glm::vec3(0); });
   }
 
   void read_colors(std::size_t node, const tinygltf::Primitive& primitive, const VertexSelection& selection,
@@ -254,6 +264,11 @@ class SceneReader {
         "are]");
     add_finding(findings_, "primitives_without_positions", n_without_positions_,
                 "placed primitive[ has|s have] no positions; kept as [it is|they are], not lit");
+    add_finding(findings_, "non_finite_vertices", n_not_finite_,
+                "vert[ex has|ices have] a coordinate that is not finite; kept, [its|their] faces are neither "
+                "lit nor seen");
+    add_finding(findings_, "normals_without_direction", n_undirected_,
+                "normal[|s] in the file ha[s|ve] no direction; unlit");
     add_finding(findings_, "flat_primitives", n_flat_,
                 "placed primitive[ has|s have] no normals; shaded flat");
     add_finding(findings_, "skinned_nodes", n_skinned_,
@@ -289,7 +304,7 @@ class SceneReader {
   bool has_colors_ = false, has_opacities_ = false, has_texcoords_[2] = {false, false};
   std::uint32_t n_source_vertices_ = 0;
   std::size_t n_corners_left_over_ = 0, n_points_and_lines_ = 0, n_without_positions_ = 0, n_flat_ = 0,
-              n_skinned_ = 0, n_morphed_ = 0;
+              n_skinned_ = 0, n_morphed_ = 0, n_not_finite_ = 0, n_undirected_ = 0;
 };
 
 }  // namespace
