@@ -8,6 +8,7 @@
 #include <set>
 
 #include "io/glb_reader.h"
+#include "io/gltf_builder.h"
 #include "io/gltf_files.h"
 #include "io/lit_asset.h"
 #include "lambake/bake/bake.h"
@@ -18,7 +19,7 @@
 namespace lambake {
 namespace {
 
-using nlohmann::json;
+using nlohmann::json, nlohmann::ordered_json;
 
 /// The JSON of a .gltf or .glb.
 json json_of(const std::string& path) {
@@ -75,6 +76,48 @@ TEST(GltfAsset, EveryRealFile_ComesBackWithNothingButLightAdded) {
     for (const json& change : json::diff(before, after))
       EXPECT_TRUE(is_expected_change(change["op"], change["path"], has_rewritten)) << change.dump();
   }
+}
+
+/// Two squares; the first has a variant of each other material, the second has the last material.
+std::string write_variants(GltfBuilder& builder) {
+  ordered_json first = builder.square(), second = builder.square();
+  first["material"] = 0;
+  first["extensions"]["KHR_materials_variants"]["mappings"] = {{{"material", 1}, {"variants", {0}}},
+                                                               {{"material", 2}, {"variants", {1}}}};
+  second["material"] = 2;
+  second["mode"] = 1;  // Lines are not lit.
+  builder.add_primitive(first), builder.add_primitive(second);
+  builder.json["materials"] = {{{"name", "a"}}, {{"name", "b"}}, {{"name", "c"}}};
+  builder.json["extensionsUsed"] = {"KHR_materials_variants"};
+  builder.json["extensions"]["KHR_materials_variants"]["variants"] = {{{"name", "x"}}, {{"name", "y"}}};
+  return builder.write();
+}
+
+TEST(GltfAsset, MaterialsOfVariants_AreMarkedLikeThePrimitivesOwn) {
+  GltfBuilder builder;
+  const auto result = bake_file(write_variants(builder), {}, {});
+  const Glb glb = read_glb(result->path);
+  const auto is_unlit = [&](const ordered_json& index) {
+    const ordered_json& material = glb.json["materials"][index.get<std::size_t>()];
+    return material.contains("extensions") && material["extensions"].contains("KHR_materials_unlit");
+  };
+  const ordered_json& mappings = glb.primitive(0, 0)["extensions"]["KHR_materials_variants"]["mappings"];
+  EXPECT_TRUE(is_unlit(glb.primitive(0, 0)["material"]));
+  EXPECT_TRUE(is_unlit(mappings[0]["material"]));
+  EXPECT_TRUE(is_unlit(mappings[1]["material"]));
+  EXPECT_EQ(mappings[1]["material"], 3);  // A copy: the lines keep theirs.
+  EXPECT_EQ(glb.json["materials"][3]["name"], "c");
+  EXPECT_EQ(glb.primitive(0, 1)["material"], 2);
+  EXPECT_FALSE(is_unlit(2));
+  EXPECT_EQ(count_of(result->written.findings, "material_variants"), 1U);
+}
+
+TEST(GltfAsset, VariantOfAMaterialThatIsNotThere_IsRefused) {
+  GltfBuilder builder;
+  write_variants(builder);
+  builder.json["materials"].erase(2);
+  builder.json["meshes"][0]["primitives"].erase(1);
+  EXPECT_THROW(read_gltf_file(builder.write(), {}), IoError);
 }
 
 /// An accessor with the bytes of its views in the place of their numbers.

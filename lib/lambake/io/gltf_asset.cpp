@@ -13,6 +13,7 @@
 #include "lambake/io/gltf_accessor.h"
 #include "lambake/io/gltf_compression.h"
 #include "lambake/io/gltf_source.h"
+#include "lambake/io/json_text.h"
 
 namespace lambake {
 namespace {
@@ -233,6 +234,22 @@ class ModelCheck {
   const tinygltf::Model& model_;
 };
 
+/// Materials of variants are not in the model.
+void check_variants(const std::string& path, const GltfJson& json) {
+  const std::size_t n_materials = member(json, "materials").size();
+  for (std::size_t m = 0; m < member(json, "meshes").size(); ++m) {
+    const GltfJson& primitives = member(json["meshes"][m], "primitives");
+    for (std::size_t p = 0; p < primitives.size(); ++p)
+      for (const GltfJson* holder : material_holders(primitives[p]))
+        if (const GltfJson& material = member(*holder, "material");
+            !material.is_null() && material.get<std::size_t>() >= n_materials)
+          throw IoError(path,
+                        fmt::format("meshes[{}].primitives[{}].extensions.KHR_materials_variants: expected "
+                                    "materials below {}, found {}",
+                                    m, p, n_materials, shown(material)));
+  }
+}
+
 }  // namespace
 
 GltfAsset load_gltf_asset(const std::string& path) {
@@ -249,6 +266,7 @@ GltfAsset load_gltf_asset(const std::string& path) {
   asset.json = std::move(source.json);
   check_accessors(path, asset.model);
   ModelCheck(path, asset.model).run();
+  check_variants(path, asset.json);
   return asset;
 }
 

@@ -57,6 +57,7 @@ constexpr Member members[] = {
     {"meshes/[]/primitives/[]/material", Type::whole},
     {"meshes/[]/primitives/[]/mode", Type::whole},
     {"meshes/[]/primitives/[]/targets/[]/{}", Type::whole},
+    {"meshes/[]/primitives/[]/extensions/KHR_materials_variants/mappings/[]/material", Type::whole},
     {"meshes/[]/primitives/[]/extensions/KHR_draco_mesh_compression/bufferView", Type::whole},
     {"meshes/[]/primitives/[]/extensions/KHR_draco_mesh_compression/attributes/{}", Type::whole},
 
