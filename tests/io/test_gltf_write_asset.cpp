@@ -78,6 +78,46 @@ TEST(GltfAsset, EveryRealFile_ComesBackWithNothingButLightAdded) {
   }
 }
 
+// Columns of matrices begin at multiples of 4 bytes.
+TEST(GltfAsset, SmallMatrices_AreWrittenAnewWithTheirPadding) {
+  struct Layout {
+    int component_type;
+    std::size_t component_bytes;
+    const char* type;
+    std::size_t n_columns, column_bytes;
+  };
+  for (const Layout& layout : {Layout{5121, 1, "MAT2", 2, 4}, Layout{5121, 1, "MAT3", 3, 4},
+                               Layout{5123, 2, "MAT3", 3, 8}, Layout{5121, 1, "MAT4", 4, 4}}) {
+    SCOPED_TRACE(layout.type);
+    const std::size_t stride = layout.n_columns * layout.column_bytes;
+    const std::size_t n_used = layout.n_columns * layout.component_bytes;  // Bytes of a column.
+    std::vector<unsigned char> bytes(4 * stride, 0xEE);
+    for (std::size_t i = 0; i < bytes.size(); ++i)
+      if (i % layout.column_bytes < n_used) bytes[i] = static_cast<unsigned char>(i);
+    // What pads the last column need not be there.
+    bytes.resize(bytes.size() - (layout.column_bytes - n_used));
+    GltfBuilder builder;
+    ordered_json square = builder.square();
+    square["attributes"]["_M"] = builder.add(layout.component_type, layout.type, 4, bytes);
+    square["attributes"].erase("NORMAL");
+    square["attributes"]["POSITION"] = builder.add_floats("VEC3", 4, {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 1});
+    builder.add_primitive(square);
+    const auto result = bake_file(builder.write(), {.method = BakeMethod::face}, {});
+    const Glb glb = read_glb(result->path);
+    ASSERT_EQ(count_of(result->written.findings, "rewritten_primitives"), 1U);
+    const ordered_json& accessor = glb.json["accessors"][glb.attribute(0, 0, "_M")];
+    const ordered_json& view = glb.json["bufferViews"][accessor["bufferView"].get<std::size_t>()];
+    EXPECT_EQ(accessor["type"], layout.type);
+    ASSERT_EQ(view["byteLength"], 6 * stride);
+    for (std::size_t i = 0; i < 6 * stride; ++i) {
+      const std::size_t vertex = std::vector<std::size_t>{0, 1, 2, 1, 3, 2}[i / stride];
+      if (i % layout.column_bytes >= n_used) continue;
+      const char found = glb.bin[view["byteOffset"].get<std::size_t>() + i];
+      EXPECT_EQ(static_cast<unsigned char>(found), bytes[vertex * stride + i % stride]) << i;
+    }
+  }
+}
+
 /// Two squares; the first has a variant of each other material, the second has the last material.
 std::string write_variants(GltfBuilder& builder) {
   ordered_json first = builder.square(), second = builder.square();
