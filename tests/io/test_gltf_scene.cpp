@@ -236,6 +236,25 @@ TEST(GltfScene, FlatPrimitiveOfNoArea_HasNoNormalsOfTheFileToCount) {
   EXPECT_EQ(count_of(read_lit(builder.write()).findings, "normals_without_direction"), 0U);
 }
 
+TEST(GltfScene, DefaultMaterial_IsThereWhereAPrimitiveHasNone) {
+  for (const bool has_other : {false, true}) {
+    GltfBuilder builder;
+    ordered_json square = builder.square();
+    square["material"] = 0;
+    builder.add_primitive(square);
+    builder.json["materials"] = {{{"name", "a"}}};
+    if (has_other) {
+      square.erase("material");
+      builder.add_primitive(square);
+    }
+    const Scene scene = read_gltf_file(builder.write(), {}).scene;
+    ASSERT_EQ(scene.materials.size(), has_other ? 2U : 1U);
+    EXPECT_EQ(scene.materials[0].name, "a");
+    EXPECT_EQ(scene.mesh.material_of(0), 0U);
+    EXPECT_EQ(scene.mesh.material_of(scene.mesh.n_triangles() - 1), has_other ? 1U : 0U);
+  }
+}
+
 TEST(GltfScene, SceneThatIsNotThere_IsRefused) {
   EXPECT_THROW(read_scene("Duck.glb", {.gltf_scene = "7"}), InvalidOption);
   EXPECT_THROW(read_scene("Duck.glb", {.gltf_scene = "no such scene"}), InvalidOption);

@@ -49,6 +49,8 @@ class SceneReader {
     for (const std::size_t node : nodes_) read_node(node);
     if (scene_.mesh.triangles.empty())
       throw InvalidScene(asset_.path + ": expected a scene with triangles, found none");
+    // The default of the specification is no material of the file unless a primitive has none.
+    if (!has_default_material_) scene_.materials.pop_back();
     drop_identity();
     tell();
     file_.findings = std::move(findings_);
@@ -155,6 +157,7 @@ class SceneReader {
 
     const auto material = static_cast<std::uint32_t>(primitive.material >= 0 ? index_of(primitive.material)
                                                                              : model().materials.size());
+    has_default_material_ |= primitive.material < 0;
     for (glm::uvec3& t : triangles) {
       t += placed.vertex_begin;
       if (vertices.is_mirrored) std::swap(t[1], t[2]);
@@ -302,6 +305,7 @@ class SceneReader {
   std::vector<std::size_t> n_users_;  ///< Primitives of the file that have an accessor as their positions.
   VertexSelector selector_;
   bool has_colors_ = false, has_opacities_ = false, has_texcoords_[2] = {false, false};
+  bool has_default_material_ = false;
   std::uint32_t n_source_vertices_ = 0;
   std::size_t n_corners_left_over_ = 0, n_points_and_lines_ = 0, n_without_positions_ = 0, n_flat_ = 0,
               n_skinned_ = 0, n_morphed_ = 0, n_not_finite_ = 0, n_undirected_ = 0;
