@@ -72,7 +72,8 @@ TEST(GltfAsset, EveryRealFile_ComesBackWithNothingButLightAdded) {
     const auto result = bake_file(meshes_folder() + row.path, {}, {});
     if (!result) continue;
     const json before = json_of(meshes_folder() + row.path), after = json_of(result->path);
-    const bool has_rewritten = count_of(result->written.findings, "rewritten_primitives") > 0;
+    const bool has_rewritten = count_of(result->written.findings, "rewritten_primitives") > 0 ||
+                               count_of(result->written.findings, "vertex_colors_multiplied") > 0;
     for (const json& change : json::diff(before, after))
       EXPECT_TRUE(is_expected_change(change["op"], change["path"], has_rewritten)) << change.dump();
   }
@@ -292,6 +293,36 @@ TEST(GltfAsset, OtherAttribute_HoldsLightAlone_AndLeavesColoursAndMaterials) {
     EXPECT_NEAR(after.value<float>(light, i, 0) * base.r, color.r, 1e-6);
     EXPECT_NEAR(after.value<float>(light, i, 1) * base.g, color.g, 1e-6);
   }
+}
+
+TEST(GltfAsset, VertexColoursThatLightReplaces_LeaveNoBytes) {
+  const auto result = bake_file(meshes_folder() + "gltf/BoxVertexColors.glb", {}, {});
+  const Glb before = read_glb(meshes_folder() + "gltf/BoxVertexColors.glb"), after = read_glb(result->path);
+  EXPECT_EQ(after.json["accessors"].size(), before.json["accessors"].size());
+  EXPECT_EQ(n_spare_accessors(json(after.json)), 0U);
+  EXPECT_EQ(before.count(before.attribute(0, 0, "COLOR_0")), 24U);
+  EXPECT_EQ(after.bin.size(), before.bin.size() - 24 * 16 + 24 * 8);  // Floats before, 16 bits after.
+}
+
+// A viewer takes the stream's colours where the extension names them.
+TEST(GltfAsset, ColoursInADracoStream_AreNotNamedAnyMore) {
+  Glb glb = read_glb(meshes_folder() + "gltf/Box_Draco.glb");
+  ordered_json& primitive = glb.json["meshes"][0]["primitives"][0];
+  ordered_json& packed = primitive["extensions"]["KHR_draco_mesh_compression"]["attributes"];
+  ordered_json accessor = glb.json["accessors"][glb.attribute(0, 0, "NORMAL")];
+  packed["COLOR_0"] = packed["NORMAL"];  // As good as any.
+  primitive["attributes"]["COLOR_0"] = glb.json["accessors"].size();
+  glb.json["accessors"].push_back(accessor);
+  const std::string path = temporary_file("in.gltf");
+  write_bytes(path + ".bin", glb.bin);
+  glb.json["buffers"][0]["uri"] = std::filesystem::path(path + ".bin").filename().string();
+  write_bytes(path, glb.json.dump());
+  const auto result = bake_file(path, {}, {});
+  const Glb after = read_glb(result->path);
+  const ordered_json& left = after.primitive(0, 0)["extensions"]["KHR_draco_mesh_compression"]["attributes"];
+  EXPECT_FALSE(left.contains("COLOR_0"));
+  EXPECT_TRUE(left.contains("NORMAL"));
+  EXPECT_TRUE(after.primitive(0, 0)["attributes"].contains("COLOR_0"));
 }
 
 TEST(GltfAsset, Draco_StaysCompressedWithColoursBeside_AndUnpacksWhereFacesSplit) {

@@ -97,7 +97,7 @@ class AssetWriter {
     n_cut_short_ = rewriter.n_cut_short();
     if (options_.mark_unlit) mark_materials(document.json);
     drop_unused_draco(document.json);
-    if (n_rewritten_ > 0) drop_replaced(asset_.json, document);
+    drop_replaced(asset_.json, document);
     tell();
     return std::move(written_);
   }
@@ -138,6 +138,7 @@ class AssetWriter {
       ++n_rewritten_;
     }
     n_morphed_ += drop_targets_of_light(primitive, document.json);
+    drop_packed_light(primitive);
     const bool had_color = has_color(asset_, placed);
     if (had_color && replaces_color(options_)) ++n_multiplied_;
     const EncodedColors encoded = encode(placed, baked, had_color);
@@ -167,6 +168,13 @@ class AssetWriter {
                                       {"max", {0, 0, 0}}});
     }
     return has_any;
+  }
+
+  /// Viewers take what a Draco stream has before what the attributes name.
+  void drop_packed_light(GltfJson& primitive) const {
+    constexpr const char* draco = "KHR_draco_mesh_compression";
+    if (member(member(member(primitive, "extensions"), draco), "attributes").is_object())
+      primitive["extensions"][draco]["attributes"].erase(options_.attribute);
   }
 
   /// The colours of a primitive's vertices: light, times the vertex colour that was there where it is
