@@ -5,6 +5,7 @@
 #include "io/glb_reader.h"
 #include "io/gltf_builder.h"
 #include "io/gltf_files.h"
+#include "lambake/bake/bake.h"
 #include "lambake/core/error.h"
 #include "lambake/io/gltf.h"
 
@@ -406,6 +407,34 @@ TEST(HostileGltf, JsonOf256Levels_OrBracketsInText_AreRead) {
   EXPECT_EQ(outcome_of(with_extras(std::string(255, '[') + std::string(255, ']'))).second, 0);
   EXPECT_EQ(outcome_of(with_extras(std::string(256, '[') + std::string(256, ']'))).second, 3);
   EXPECT_EQ(outcome_of(with_extras("\"\\\"" + std::string(300, '{') + "\"")).second, 0);
+}
+
+// An object of ordered keys looks for each among all before it: 400,000 took minutes.
+TEST(HostileGltf, ObjectsOfManyKeys_AreReadAndKeptInOrder) {
+  constexpr int n = 400000;
+  std::string keys;
+  for (int i = 0; i < n; ++i) keys += (i > 0 ? ",\"k" : "\"k") + std::to_string(i) + "\":[{}]";
+  const std::string text = triangle().dump().insert(1, "\"extras\":{" + keys + "},");
+  ASSERT_EQ(outcome_of(text), std::make_pair(std::string(), 0));
+  const SceneFile file = read_gltf_file(temporary_file("bad.gltf"), {});
+  const std::string path = temporary_file("out.glb");
+  write_gltf_file(path, file, bake(file.scene, {}), {});
+  EXPECT_NE(read_bytes(path).find("\"extras\":{" + keys + "}"), std::string::npos);
+}
+
+TEST(HostileGltf, EqualKeys_TheLastCounts_InSmallAndInLargeObjects) {
+  for (const int n : {1, 15, 16, 17, 40}) {
+    SCOPED_TRACE(n);
+    std::string others;
+    for (int i = 0; i < n; ++i) others += "\"k" + std::to_string(i) + "\":0,";
+    for (const std::string& before : {others, std::string()}) {
+      const std::string after = before.empty() ? others : "";
+      const std::string twice = before + "\"scene\":7," + after + "\"scene\":0,";
+      std::string text = triangle().dump();
+      text.replace(text.find("\"scene\":0,"), 10, twice);
+      EXPECT_EQ(outcome_of(text), std::make_pair(std::string(), 0));
+    }
+  }
 }
 
 TEST(HostileGltf, GlbWithAWrongLength_OrCutAnywhere_IsRefused) {

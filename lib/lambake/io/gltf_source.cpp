@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "lambake/core/error.h"
+#include "lambake/io/gltf_parse.h"
 #include "lambake/io/gltf_types.h"
 #include "lambake/io/input_file.h"
 #include "lambake/io/json_text.h"
@@ -88,15 +89,6 @@ GlbChunks split_glb(const std::vector<unsigned char>& bytes, const std::string& 
     at += 8 + n_bytes;
   }
   return chunks;
-}
-
-GltfJson parse_json(std::span<const unsigned char> text, const std::string& path) {
-  check_depth(path, {reinterpret_cast<const char*>(text.data()), text.size()});
-  try {
-    return GltfJson::parse(text.begin(), text.end());
-  } catch (const GltfJson::exception& error) {
-    throw_no_json(path, error.what());
-  }
 }
 
 void check_asset(const GltfSource& source) {
@@ -194,7 +186,7 @@ GltfSource read_gltf_source(const std::string& path) {
   source.path = path;
   source.is_glb = bytes.size() >= 4 && std::memcmp(bytes.data(), "glTF", 4) == 0;
   const GlbChunks chunks = source.is_glb ? split_glb(bytes, path) : GlbChunks{bytes, {}};
-  source.json = parse_json(chunks.json, path);
+  source.json = parse_gltf_json(chunks.json, path);
   if (!source.json.is_object()) throw IoError(path, "expected a JSON object");
   check_gltf_types(path, source.json);
   check_asset(source);
