@@ -206,4 +206,12 @@ WrittenColors write_baked(const std::string& path, const SceneFile& file, const 
                                        : write_gltf_file(path, file, baked, gltf_options(options));
 }
 
+std::uintmax_t baked_bytes(const std::string& path) {
+  std::uintmax_t n_bytes = std::filesystem::file_size(path);
+  const std::filesystem::path bin = std::filesystem::path(path).replace_extension(".bin");
+  if (file_extension(path) == "gltf" && std::filesystem::exists(bin))
+    n_bytes += std::filesystem::file_size(bin);
+  return n_bytes;
+}
+
 }  // namespace lambake::tool

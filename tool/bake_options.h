@@ -1,6 +1,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <cstdint>
 #include <string>
 
 #include <nlohmann/json.hpp>
@@ -65,5 +66,8 @@ ColorOutput output_of(const std::string& path, const SceneFile& file, const Outp
 /// Writes a lit mesh by extension.
 WrittenColors write_baked(const std::string& path, const SceneFile& file, const BakedColors& baked,
                           const OutputOptions& options);
+
+/// The size of what write_baked() has written: of a .gltf with the .bin beside it.
+std::uintmax_t baked_bytes(const std::string& path);
 
 }  // namespace lambake::tool

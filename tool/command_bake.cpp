@@ -63,15 +63,14 @@ int bake_and_write(const BakeCommand& command) {
                       ", not of " + path);
     console.tell(written.findings);
     json["outputs"].push_back({{"path", path},
-                               {"bytes", std::filesystem::file_size(path)},
+                               {"bytes", baked_bytes(path)},
                                {"clipped_vertices", written.clipped_vertices},
                                {"findings", findings_json(written.findings)}});
     if (!command.scene.json && !command.scene.quiet) {
       console.clear_bar();
       print_result("{}: {} {}, {} {}, {} bytes\n", path, group_digits(mesh.n_vertices()),
                    in_number(mesh.n_vertices(), "vert[ex|ices]"), group_digits(mesh.n_triangles()),
-                   in_number(mesh.n_triangles(), "triangle[|s]"),
-                   group_digits(std::filesystem::file_size(path)));
+                   in_number(mesh.n_triangles(), "triangle[|s]"), group_digits(baked_bytes(path)));
     }
   }
   stopwatch.lap("write");

@@ -35,6 +35,16 @@ TEST(CommandLine, Bake_GlbAndPly_WritesBothAndSaysSo) {
   EXPECT_EQ(read_bytes(folder / "b.ply").substr(0, 4), "ply\n");
 }
 
+TEST(CommandLine, Bake_Gltf_CountsTheBytesOfItsBufferToo) {
+  const ScratchFolder folder("bytes");
+  write_octahedron(folder / "in.off");
+  const ToolResult result = run_tool(folder, "bake in.off -o a.gltf -o b.glb --json");
+  const auto outputs = nlohmann::json::parse(result.out)["outputs"];
+  EXPECT_EQ(outputs[0]["bytes"],
+            std::filesystem::file_size(folder / "a.gltf") + std::filesystem::file_size(folder / "a.bin"));
+  EXPECT_EQ(outputs[1]["bytes"], std::filesystem::file_size(folder / "b.glb"));
+}
+
 TEST(CommandLine, EveryCommand_Json_IsJsonAndNothingElse) {
   const ScratchFolder folder("json");
   write_octahedron(folder / "in.off");

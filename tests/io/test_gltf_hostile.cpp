@@ -3,7 +3,9 @@
 #include <functional>
 
 #include "io/glb_reader.h"
+#include "io/gltf_builder.h"
 #include "io/gltf_files.h"
+#include "lambake/bake/bake.h"
 #include "lambake/core/error.h"
 #include "lambake/io/gltf.h"
 
@@ -330,6 +332,37 @@ TEST(HostileGltf, EachMemberOfAnotherType_IsRefusedByItsPlace) {
     }
 }
 
+// Indices are ints in tinygltf: 2^32 + i would be read as i, and 2^32 - 1 as none.
+TEST(HostileGltf, WholeNumbersPast31Bits_AreRefusedByTheirPlace) {
+  ordered_json sound = lit_triangle();
+  sound["skins"] = {{{"joints", {0}}, {"inverseBindMatrices", 0}}};
+  std::vector<ordered_json::json_pointer> places;
+  const std::function<void(const ordered_json::json_pointer&)> collect = [&](const auto& place) {
+    const ordered_json& value = sound.at(place);
+    if (value.is_number_unsigned()) places.push_back(place);
+    if (value.is_object())
+      for (const auto& [key, unused] : value.items()) collect(place / key);
+    if (value.is_array())
+      for (std::size_t i = 0; i < value.size(); ++i) collect(place / i);
+  };
+  collect(ordered_json::json_pointer());
+  ASSERT_GT(places.size(), 35U);
+  for (const auto& place : places)
+    for (const std::uint64_t number :
+         {std::uint64_t{1} << 31, (std::uint64_t{1} << 32) - 1,
+          (std::uint64_t{1} << 32) + sound.at(place).get<std::uint64_t>(), ~std::uint64_t{0}}) {
+      SCOPED_TRACE(place.to_string() + " " + std::to_string(number));
+      ordered_json json = sound;
+      json.at(place) = number;
+      const auto [message, exit_code] = outcome_of(json.dump());
+      EXPECT_EQ(exit_code, 3) << message;
+      // Of a size that is past its file, what holds it is named.
+      const bool is_size = place.back() == "count" || place.back().starts_with("byte");
+      EXPECT_NE(message.find(place_of(is_size ? place.parent_pointer() : place)), std::string::npos)
+          << message;
+    }
+}
+
 // tinygltf finds the buffers, which are in memory, under names of ours.
 TEST(HostileGltf, ImagesWithTheNamesOfBuffers_AreFilesLikeOthers) {
   for (const char* name :
@@ -376,6 +409,34 @@ TEST(HostileGltf, JsonOf256Levels_OrBracketsInText_AreRead) {
   EXPECT_EQ(outcome_of(with_extras("\"\\\"" + std::string(300, '{') + "\"")).second, 0);
 }
 
+// An object of ordered keys looks for each among all before it: 400,000 took minutes.
+TEST(HostileGltf, ObjectsOfManyKeys_AreReadAndKeptInOrder) {
+  constexpr int n = 400000;
+  std::string keys;
+  for (int i = 0; i < n; ++i) keys += (i > 0 ? ",\"k" : "\"k") + std::to_string(i) + "\":[{}]";
+  const std::string text = triangle().dump().insert(1, "\"extras\":{" + keys + "},");
+  ASSERT_EQ(outcome_of(text), std::make_pair(std::string(), 0));
+  const SceneFile file = read_gltf_file(temporary_file("bad.gltf"), {});
+  const std::string path = temporary_file("out.glb");
+  write_gltf_file(path, file, bake(file.scene, {}), {});
+  EXPECT_NE(read_bytes(path).find("\"extras\":{" + keys + "}"), std::string::npos);
+}
+
+TEST(HostileGltf, EqualKeys_TheLastCounts_InSmallAndInLargeObjects) {
+  for (const int n : {1, 15, 16, 17, 40}) {
+    SCOPED_TRACE(n);
+    std::string others;
+    for (int i = 0; i < n; ++i) others += "\"k" + std::to_string(i) + "\":0,";
+    for (const std::string& before : {others, std::string()}) {
+      const std::string after = before.empty() ? others : "";
+      const std::string twice = before + "\"scene\":7," + after + "\"scene\":0,";
+      std::string text = triangle().dump();
+      text.replace(text.find("\"scene\":0,"), 10, twice);
+      EXPECT_EQ(outcome_of(text), std::make_pair(std::string(), 0));
+    }
+  }
+}
+
 TEST(HostileGltf, GlbWithAWrongLength_OrCutAnywhere_IsRefused) {
   const std::string bytes = read_bytes(meshes_folder() + "gltf/box01.glb");
   ASSERT_EQ(outcome_of(bytes, "x.glb").second, 0);
@@ -397,6 +458,97 @@ TEST(HostileGltf, FlippedBytesAnywhere_NeverEndOtherwiseThanInAnError) {
       EXPECT_NO_THROW(outcome_of(spoilt, "x.glb")) << name << " byte " << at;
     }
   }
+}
+
+/// A PNG of 8192 × 8192 black pixels of 1 bit, in 8 kB.
+std::string black_png() {
+  const auto bytes_of = [](std::string_view hex) {
+    std::string bytes;
+    for (std::size_t i = 0; i < hex.size(); i += 2)
+      bytes += static_cast<char>(std::stoi(std::string(hex.substr(i, 2)), nullptr, 16));
+    return bytes;
+  };
+  return bytes_of(
+             "89504e470d0a1a0a0000000d49484452000020000000200001000000005ad1f7f400001fec4944415478daecc101010"
+             "000008090feafee080a") +
+         std::string(4094, '\0') + bytes_of("80db8303120000000041ff5fb7235001") + std::string(4040, '\0') +
+         bytes_of("ce0227800001e4885a0f0000000049454e44ae426082");
+}
+
+/// The square under `images.size()` materials, each with an image of these bytes.
+std::string write_images(const std::vector<std::string>& images) {
+  GltfBuilder builder;
+  ordered_json square = builder.square();
+  square["attributes"]["TEXCOORD_0"] = builder.add_floats("VEC2", 4, std::vector<float>(8, 0.5f));
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    const std::vector<char> bytes(images[i].begin(), images[i].end());
+    const std::size_t accessor = builder.add(5121, "SCALAR", bytes.size(), bytes);
+    builder.json["images"].push_back(
+        {{"bufferView", builder.json["accessors"][accessor]["bufferView"]}, {"mimeType", "image/png"}});
+    builder.json["textures"].push_back({{"source", i}});
+    builder.json["materials"].push_back({{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", i}}}}}});
+    square["material"] = i;
+    builder.add_primitive(square);
+  }
+  return builder.write();
+}
+
+TEST(HostileGltf, ManyImagesOfTheSameBytes_AreDecodedOnce) {
+  const Scene scene = read_gltf_file(write_images({20, black_png()}), {}).scene;
+  EXPECT_EQ(scene.textures.size(), 20U);
+  ASSERT_EQ(scene.images.size(), 1U);  // One of the largest that there may be.
+  EXPECT_EQ(scene.images[0].width, 8192U);
+}
+
+TEST(HostileGltf, SmallImagesThatClaimManyPixels_AreRefusedTogether) {
+  try {
+    read_gltf_file(write_images({black_png(), black_png() + "."}), {});
+    FAIL();
+  } catch (const IoError& error) {
+    EXPECT_NE(std::string(error.what()).find(".gltf: images[1]: expected images of at most"),
+              std::string::npos)
+        << error.what();
+  }
+}
+
+/// The square with `n_views` views of one meshopt stream of 3.8 million zeros in 33 kB.
+std::string write_compressed(std::size_t n_views, bool is_used) {
+  constexpr std::size_t n = 15000, stride = 256;
+  GltfBuilder builder;
+  builder.add_primitive(builder.square());
+  // Blocks of 32 elements: a header of 1 byte for each byte of an element; behind them the first element.
+  std::vector<char> stream(1 + (n + 31) / 32 * stride + stride, 0);
+  stream[0] = static_cast<char>(0xA0);
+  const std::size_t accessor = builder.add(5121, "SCALAR", 1, stream);
+  ordered_json packed =
+      builder.json["bufferViews"][builder.json["accessors"][accessor]["bufferView"].get<std::size_t>()];
+  packed.update({{"byteStride", stride}, {"count", n}, {"mode", "ATTRIBUTES"}});
+  for (std::size_t i = 0; i < n_views; ++i) {
+    builder.json["bufferViews"].push_back(
+        {{"buffer", 0}, {"byteLength", n * stride}, {"extensions", {{"EXT_meshopt_compression", packed}}}});
+    if (is_used)
+      builder.json["accessors"].push_back({{"bufferView", builder.json["bufferViews"].size() - 1},
+                                           {"componentType", 5126},
+                                           {"count", n},
+                                           {"type", "MAT4"}});
+  }
+  return builder.write();
+}
+
+TEST(HostileGltf, OneStreamUnderManyViews_IsHeldToTheFile) {
+  EXPECT_NO_THROW(read_gltf_file(write_compressed(3, true), {}));
+  try {
+    read_gltf_file(write_compressed(100, true), {});
+    FAIL();
+  } catch (const IoError& error) {
+    EXPECT_NE(std::string(error.what()).find("EXT_meshopt_compression: expected a file that decompresses to"),
+              std::string::npos)
+        << error.what();
+  }
+}
+
+TEST(HostileGltf, CompressedViewsThatNothingUses_AreNotDecoded) {
+  EXPECT_NO_THROW(read_gltf_file(write_compressed(10000, false), {}));
 }
 
 TEST(HostileGltf, BadRealFiles_AreRefused) {

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "io/glb_reader.h"
+#include "io/gltf_builder.h"
 #include "io/gltf_files.h"
 #include "io/lit_asset.h"
 #include "lambake/bake/bake.h"
@@ -146,6 +147,37 @@ TEST(GltfScene, LightsOfTheFile_AreDividedByPi_AndPlacedByTheirNodes) {
   EXPECT_TRUE(read_gltf_file(path, {.gltf_scene = "", .use_file_lights = false}).scene.lights.empty());
 }
 
+/// The box of Lights.glb with one spot light of these angles.
+SceneFile read_spot(double inner_cone_rad, double outer_cone_rad) {
+  Glb glb = read_glb(meshes_folder() + "gltf/Lights.glb");
+  ordered_json& lights = glb.json["extensions"]["KHR_lights_punctual"]["lights"];
+  for (ordered_json& light : lights)
+    light = {{"type", "spot"},
+             {"spot", {{"innerConeAngle", inner_cone_rad}, {"outerConeAngle", outer_cone_rad}}}};
+  const std::string path = temporary_file("spot.gltf"), bin = temporary_file("spot.bin");
+  write_bytes(bin, glb.bin);
+  glb.json["buffers"][0]["uri"] = std::filesystem::path(bin).filename().string();
+  write_bytes(path, glb.json.dump());
+  return read_gltf_file(path, {});
+}
+
+// three.js writes equal angles for a light of penumbra 0, which the extension forbids.
+TEST(GltfScene, ConesWithoutARamp_AreReadAndTold) {
+  const float angle = 0.785398163f;
+  for (const double inner : {0.785398163397448, 0.785398163397448 - 1e-9, 0.785398163397448 + 1e-9}) {
+    const SceneFile file = read_spot(inner, 0.785398163397448);
+    ASSERT_FALSE(file.scene.lights.empty());
+    for (const Light& light : file.scene.lights) {
+      EXPECT_FLOAT_EQ(light.inner_cone_rad, angle);
+      EXPECT_FLOAT_EQ(light.outer_cone_rad, angle);
+    }
+    EXPECT_EQ(count_of(file.findings, "cones_without_ramp"), file.scene.lights.size());
+  }
+  EXPECT_EQ(count_of(read_spot(0.5, 0.75).findings, "cones_without_ramp"), 0U);
+  EXPECT_THROW(read_spot(0.5, 0.499), IoError);
+  EXPECT_THROW(read_spot(0, 0), IoError);
+}
+
 TEST(GltfScene, Cameras_PerspectiveAndOrthographic_LookAlongTheirNodes) {
   const Scene scene = read_scene("Cameras.gltf");
   ASSERT_EQ(scene.cameras.size(), 2U);
@@ -174,6 +206,55 @@ TEST(GltfScene, WhatIsLeftOutOrChanged_IsTold) {
   EXPECT_EQ(count_of(findings, "factors_clamped"), 1U);
 }
 
+TEST(GltfScene, VerticesThatAreNotFinite_AreCounted_AndLeaveTheExtremesFinite) {
+  for (const float odd : {INFINITY, -INFINITY, NAN}) {
+    SCOPED_TRACE(odd);
+    GltfBuilder builder;
+    ordered_json square = builder.square();
+    square["attributes"]["POSITION"] =
+        builder.add_floats("VEC3", 4, {odd, 0, 0, 1, 0, 0, 0, 2, odd, 1, 1, 0});
+    square["attributes"]["NORMAL"] = builder.add_floats("VEC3", 4, {0, 0, 0, 0, 0, odd, 0, 0, 1, 0, 0, 1});
+    builder.add_primitive(square);
+    const SceneFile file = read_lit(builder.write());
+    EXPECT_EQ(count_of(file.findings, "non_finite_vertices"), 2U);
+    EXPECT_EQ(count_of(file.findings, "normals_without_direction"), 2U);
+    const std::string path = temporary_file("out.glb");
+    write_gltf_file(path, file, cut_first_triangle(file.scene), {});
+    const Glb glb = read_glb(path);
+    const auto& accessor = glb.json["accessors"][glb.attribute(0, 0, "POSITION")];
+    EXPECT_EQ(accessor["min"], ordered_json({0, 0, 0}));
+    EXPECT_EQ(accessor["max"], ordered_json({1, 2, 0}));
+  }
+}
+
+TEST(GltfScene, FlatPrimitiveOfNoArea_HasNoNormalsOfTheFileToCount) {
+  GltfBuilder builder;
+  ordered_json square = builder.square();
+  square["attributes"].erase("NORMAL");
+  square["attributes"]["POSITION"] = builder.add_floats("VEC3", 4, {0, 0, 0, 1, 0, 0, 0, 0, 0, 1, 1, 0});
+  builder.add_primitive(square);
+  EXPECT_EQ(count_of(read_lit(builder.write()).findings, "normals_without_direction"), 0U);
+}
+
+TEST(GltfScene, DefaultMaterial_IsThereWhereAPrimitiveHasNone) {
+  for (const bool has_other : {false, true}) {
+    GltfBuilder builder;
+    ordered_json square = builder.square();
+    square["material"] = 0;
+    builder.add_primitive(square);
+    builder.json["materials"] = {{{"name", "a"}}};
+    if (has_other) {
+      square.erase("material");
+      builder.add_primitive(square);
+    }
+    const Scene scene = read_gltf_file(builder.write(), {}).scene;
+    ASSERT_EQ(scene.materials.size(), has_other ? 2U : 1U);
+    EXPECT_EQ(scene.materials[0].name, "a");
+    EXPECT_EQ(scene.mesh.material_of(0), 0U);
+    EXPECT_EQ(scene.mesh.material_of(scene.mesh.n_triangles() - 1), has_other ? 1U : 0U);
+  }
+}
+
 TEST(GltfScene, SceneThatIsNotThere_IsRefused) {
   EXPECT_THROW(read_scene("Duck.glb", {.gltf_scene = "7"}), InvalidOption);
   EXPECT_THROW(read_scene("Duck.glb", {.gltf_scene = "no such scene"}), InvalidOption);
@@ -195,6 +276,29 @@ TEST(GltfScene, TextureTransform_TurnsAgainstTheClock_WhereVPointsDown) {
   const glm::vec3 uv = scene.textures[0].transform * glm::vec3(0.1f, 0.2f, 1);
   EXPECT_NEAR(uv.x, 0.25 + 3 * 0.2, 1e-6);
   EXPECT_NEAR(uv.y, 0.5 - 2 * 0.1, 1e-6);
+}
+
+TEST(GltfScene, ImageNames_AreUrisWhosePlusIsAPlus) {
+  const std::string folder = meshes_folder() + "gltf/Duck/";
+  ordered_json json = ordered_json::parse(read_bytes(folder + "Duck.gltf"));
+  json["buffers"][0]["uri"] = folder + "Duck0.bin";
+  std::filesystem::copy_file(folder + "DuckCM.png", temporary_file("a+b 100%.png"),
+                             std::filesystem::copy_options::overwrite_existing);
+  const std::string prefix = std::filesystem::path(temporary_file("")).filename().string();
+  const std::string path = temporary_file("plus.gltf");
+  for (const char* uri : {"a+b 100%.png", "a+b%20100%25.png", "a%2Bb%20100%25.png", "%61+b 100%.png"}) {
+    json["images"][0]["uri"] = prefix + uri;
+    write_bytes(path, json.dump());
+    EXPECT_EQ(read_gltf_file(path, {}).scene.images.at(0).width, 512U) << uri;
+  }
+  json["images"][0]["uri"] = "no+where.png";
+  write_bytes(path, json.dump());
+  try {
+    read_gltf_file(path, {});
+    FAIL();
+  } catch (const IoError& error) {
+    EXPECT_NE(std::string(error.what()).find("\"no+where.png\""), std::string::npos) << error.what();
+  }
 }
 
 TEST(GltfScene, SkinnedMesh_InItsBindPose_StandsWhereTheFileSays) {

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "io/glb_reader.h"
+#include "io/gltf_builder.h"
 #include "io/gltf_files.h"
 #include "io/lit_asset.h"
 #include "lambake/bake/bake.h"
@@ -18,7 +19,7 @@
 namespace lambake {
 namespace {
 
-using nlohmann::json;
+using nlohmann::json, nlohmann::ordered_json;
 
 /// The JSON of a .gltf or .glb.
 json json_of(const std::string& path) {
@@ -71,10 +72,93 @@ TEST(GltfAsset, EveryRealFile_ComesBackWithNothingButLightAdded) {
     const auto result = bake_file(meshes_folder() + row.path, {}, {});
     if (!result) continue;
     const json before = json_of(meshes_folder() + row.path), after = json_of(result->path);
-    const bool has_rewritten = count_of(result->written.findings, "rewritten_primitives") > 0;
+    const bool has_rewritten = count_of(result->written.findings, "rewritten_primitives") > 0 ||
+                               count_of(result->written.findings, "vertex_colors_multiplied") > 0;
     for (const json& change : json::diff(before, after))
       EXPECT_TRUE(is_expected_change(change["op"], change["path"], has_rewritten)) << change.dump();
   }
+}
+
+// Columns of matrices begin at multiples of 4 bytes.
+TEST(GltfAsset, SmallMatrices_AreWrittenAnewWithTheirPadding) {
+  struct Layout {
+    int component_type;
+    std::size_t component_bytes;
+    const char* type;
+    std::size_t n_columns, column_bytes;
+  };
+  for (const Layout& layout : {Layout{5121, 1, "MAT2", 2, 4}, Layout{5121, 1, "MAT3", 3, 4},
+                               Layout{5123, 2, "MAT3", 3, 8}, Layout{5121, 1, "MAT4", 4, 4}}) {
+    SCOPED_TRACE(layout.type);
+    const std::size_t stride = layout.n_columns * layout.column_bytes;
+    const std::size_t n_used = layout.n_columns * layout.component_bytes;  // Bytes of a column.
+    std::vector<unsigned char> bytes(4 * stride, 0xEE);
+    for (std::size_t i = 0; i < bytes.size(); ++i)
+      if (i % layout.column_bytes < n_used) bytes[i] = static_cast<unsigned char>(i);
+    // What pads the last column need not be there.
+    bytes.resize(bytes.size() - (layout.column_bytes - n_used));
+    GltfBuilder builder;
+    ordered_json square = builder.square();
+    square["attributes"]["_M"] = builder.add(layout.component_type, layout.type, 4, bytes);
+    square["attributes"].erase("NORMAL");
+    square["attributes"]["POSITION"] = builder.add_floats("VEC3", 4, {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 1});
+    builder.add_primitive(square);
+    const auto result = bake_file(builder.write(), {.method = BakeMethod::face}, {});
+    const Glb glb = read_glb(result->path);
+    ASSERT_EQ(count_of(result->written.findings, "rewritten_primitives"), 1U);
+    const ordered_json& accessor = glb.json["accessors"][glb.attribute(0, 0, "_M")];
+    const ordered_json& view = glb.json["bufferViews"][accessor["bufferView"].get<std::size_t>()];
+    EXPECT_EQ(accessor["type"], layout.type);
+    ASSERT_EQ(view["byteLength"], 6 * stride);
+    for (std::size_t i = 0; i < 6 * stride; ++i) {
+      const std::size_t vertex = std::vector<std::size_t>{0, 1, 2, 1, 3, 2}[i / stride];
+      if (i % layout.column_bytes >= n_used) continue;
+      const char found = glb.bin[view["byteOffset"].get<std::size_t>() + i];
+      EXPECT_EQ(static_cast<unsigned char>(found), bytes[vertex * stride + i % stride]) << i;
+    }
+  }
+}
+
+/// Two squares; the first has a variant of each other material, the second has the last material.
+std::string write_variants(GltfBuilder& builder) {
+  ordered_json first = builder.square(), second = builder.square();
+  first["material"] = 0;
+  first["extensions"]["KHR_materials_variants"]["mappings"] = {{{"material", 1}, {"variants", {0}}},
+                                                               {{"material", 2}, {"variants", {1}}}};
+  second["material"] = 2;
+  second["mode"] = 1;  // Lines are not lit.
+  builder.add_primitive(first), builder.add_primitive(second);
+  builder.json["materials"] = {{{"name", "a"}}, {{"name", "b"}}, {{"name", "c"}}};
+  builder.json["extensionsUsed"] = {"KHR_materials_variants"};
+  builder.json["extensions"]["KHR_materials_variants"]["variants"] = {{{"name", "x"}}, {{"name", "y"}}};
+  return builder.write();
+}
+
+TEST(GltfAsset, MaterialsOfVariants_AreMarkedLikeThePrimitivesOwn) {
+  GltfBuilder builder;
+  const auto result = bake_file(write_variants(builder), {}, {});
+  const Glb glb = read_glb(result->path);
+  const auto is_unlit = [&](const ordered_json& index) {
+    const ordered_json& material = glb.json["materials"][index.get<std::size_t>()];
+    return material.contains("extensions") && material["extensions"].contains("KHR_materials_unlit");
+  };
+  const ordered_json& mappings = glb.primitive(0, 0)["extensions"]["KHR_materials_variants"]["mappings"];
+  EXPECT_TRUE(is_unlit(glb.primitive(0, 0)["material"]));
+  EXPECT_TRUE(is_unlit(mappings[0]["material"]));
+  EXPECT_TRUE(is_unlit(mappings[1]["material"]));
+  EXPECT_EQ(mappings[1]["material"], 3);  // A copy: the lines keep theirs.
+  EXPECT_EQ(glb.json["materials"][3]["name"], "c");
+  EXPECT_EQ(glb.primitive(0, 1)["material"], 2);
+  EXPECT_FALSE(is_unlit(2));
+  EXPECT_EQ(count_of(result->written.findings, "material_variants"), 1U);
+}
+
+TEST(GltfAsset, VariantOfAMaterialThatIsNotThere_IsRefused) {
+  GltfBuilder builder;
+  write_variants(builder);
+  builder.json["materials"].erase(2);
+  builder.json["meshes"][0]["primitives"].erase(1);
+  EXPECT_THROW(read_gltf_file(builder.write(), {}), IoError);
 }
 
 /// An accessor with the bytes of its views in the place of their numbers.
@@ -209,6 +293,36 @@ TEST(GltfAsset, OtherAttribute_HoldsLightAlone_AndLeavesColoursAndMaterials) {
     EXPECT_NEAR(after.value<float>(light, i, 0) * base.r, color.r, 1e-6);
     EXPECT_NEAR(after.value<float>(light, i, 1) * base.g, color.g, 1e-6);
   }
+}
+
+TEST(GltfAsset, VertexColoursThatLightReplaces_LeaveNoBytes) {
+  const auto result = bake_file(meshes_folder() + "gltf/BoxVertexColors.glb", {}, {});
+  const Glb before = read_glb(meshes_folder() + "gltf/BoxVertexColors.glb"), after = read_glb(result->path);
+  EXPECT_EQ(after.json["accessors"].size(), before.json["accessors"].size());
+  EXPECT_EQ(n_spare_accessors(json(after.json)), 0U);
+  EXPECT_EQ(before.count(before.attribute(0, 0, "COLOR_0")), 24U);
+  EXPECT_EQ(after.bin.size(), before.bin.size() - 24 * 16 + 24 * 8);  // Floats before, 16 bits after.
+}
+
+// A viewer takes the stream's colours where the extension names them.
+TEST(GltfAsset, ColoursInADracoStream_AreNotNamedAnyMore) {
+  Glb glb = read_glb(meshes_folder() + "gltf/Box_Draco.glb");
+  ordered_json& primitive = glb.json["meshes"][0]["primitives"][0];
+  ordered_json& packed = primitive["extensions"]["KHR_draco_mesh_compression"]["attributes"];
+  ordered_json accessor = glb.json["accessors"][glb.attribute(0, 0, "NORMAL")];
+  packed["COLOR_0"] = packed["NORMAL"];  // As good as any.
+  primitive["attributes"]["COLOR_0"] = glb.json["accessors"].size();
+  glb.json["accessors"].push_back(accessor);
+  const std::string path = temporary_file("in.gltf");
+  write_bytes(path + ".bin", glb.bin);
+  glb.json["buffers"][0]["uri"] = std::filesystem::path(path + ".bin").filename().string();
+  write_bytes(path, glb.json.dump());
+  const auto result = bake_file(path, {}, {});
+  const Glb after = read_glb(result->path);
+  const ordered_json& left = after.primitive(0, 0)["extensions"]["KHR_draco_mesh_compression"]["attributes"];
+  EXPECT_FALSE(left.contains("COLOR_0"));
+  EXPECT_TRUE(left.contains("NORMAL"));
+  EXPECT_TRUE(after.primitive(0, 0)["attributes"].contains("COLOR_0"));
 }
 
 TEST(GltfAsset, Draco_StaysCompressedWithColoursBeside_AndUnpacksWhereFacesSplit) {

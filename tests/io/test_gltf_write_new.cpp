@@ -40,6 +40,25 @@ std::size_t count_of(const Findings& findings, const std::string& code) {
   return 0;
 }
 
+TEST(NewGltf, OpacitiesOfVertices_AreBlended_UnlessNothingWouldBeSeen) {
+  const auto mode_of = [](const Glb& glb) { return glb.json["materials"][0].value("alphaMode", "OPAQUE"); };
+  Square square;
+  square.file.scene.mesh.opacities = {1, 1, 1, 1};
+  EXPECT_EQ(mode_of(square.write()), "OPAQUE");
+  EXPECT_EQ(count_of(square.written.findings, "opacities_blended"), 0U);
+  square.file.scene.mesh.opacities = {1, 0.5f, 0, 1};
+  const Glb glb = square.write();
+  EXPECT_EQ(mode_of(glb), "BLEND");
+  EXPECT_EQ(glb.value<std::uint16_t>(glb.attribute(0, 0, "COLOR_0"), 1, 3), 32768);
+  EXPECT_EQ(count_of(square.written.findings, "opacities_blended"), 2U);
+  EXPECT_EQ(mode_of(square.write({.attribute = "_LIGHT"})), "OPAQUE");
+  square.file.scene.mesh.opacities = {0, 0, 0, 0};
+  EXPECT_EQ(mode_of(square.write()), "OPAQUE");
+  EXPECT_EQ(count_of(square.written.findings, "opacities_not_shown"), 4U);
+  square.file.scene.materials[0].alpha_mode = AlphaMode::mask;
+  EXPECT_EQ(mode_of(square.write()), "MASK");
+}
+
 TEST(NewGltf, Square_EveryStorage_HoldsTheColoursWithinHalfAStep) {
   const struct {
     ColorStorage storage;

@@ -121,7 +121,7 @@ TEST_F(LightFile, WrongValues_AreRefused_TellingThePlaceAndWhatWasExpected) {
             "/lights/0/direction_to_light: expected a direction that is not zero, found [0,0,0]");
   EXPECT_EQ(refusal_of_one(R"("type": "spot", "position": [0, 0, 0], "direction": [0, 0, 1],
                               "inner_cone_deg": 50, "outer_cone_deg": 40)"),
-            "/lights/0: expected cone angles 0 <= inner < outer <= 90 degrees");
+            "/lights/0: expected cone angles 0 <= inner <= outer <= 90 degrees with outer above 0");
   EXPECT_EQ(refusal(R"({"lights": [7]})"), "/lights/0: expected an object, found 7");
 }
 

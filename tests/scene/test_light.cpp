@@ -31,6 +31,8 @@ TEST(CheckLight, Limits_AreSound) {
   light.decay = 0;
   light.outer_cone_rad = std::numbers::pi_v<float> / 2;
   EXPECT_NO_THROW(check_light(light, "here"));
+  light.inner_cone_rad = light.outer_cone_rad;
+  EXPECT_NO_THROW(check_light(light, "here"));
 }
 
 TEST(CheckLight, WhatIsOutOfRange_IsRefused_TellingWhere) {
@@ -49,7 +51,8 @@ TEST(CheckLight, WhatIsOutOfRange_IsRefused_TellingWhere) {
         l.spot_direction = {0, 0, 0};
       },
       [](Light& l) { l.inner_cone_rad = -0.1f; },
-      [](Light& l) { l.inner_cone_rad = l.outer_cone_rad; },
+      [](Light& l) { l.inner_cone_rad = std::nextafter(l.outer_cone_rad, 2.0f); },
+      [](Light& l) { l.inner_cone_rad = l.outer_cone_rad = 0; },
       [](Light& l) { l.outer_cone_rad = 1.6f; },
       [](Light& l) { l.outer_cone_rad = NAN; },
       [](Light& l) {

@@ -31,6 +31,26 @@ std::size_t component_bytes(int component_type) {
   }
 }
 
+/// Where the components of an element lie. Columns of matrices begin at multiples of 4 bytes (glTF 2.0,
+/// 3.6.2.4); all else is one column.
+struct ElementLayout {
+  explicit ElementLayout(const tinygltf::Accessor& accessor)
+      : n_component_bytes(component_bytes(accessor.componentType)) {
+    const std::size_t n = n_components_of(accessor);
+    const bool is_matrix = accessor.type == TINYGLTF_TYPE_MAT2 || accessor.type == TINYGLTF_TYPE_MAT3 ||
+                           accessor.type == TINYGLTF_TYPE_MAT4;
+    if (is_matrix) n_columns = n == 4 ? 2 : n == 9 ? 3 : 4;
+    n_rows = n / n_columns;
+    column_stride = n_rows * n_component_bytes;
+    if (is_matrix) column_stride = (column_stride + 3) / 4 * 4;
+  }
+
+  std::size_t size() const { return (n_columns - 1) * column_stride + n_rows * n_component_bytes; }
+  std::size_t stride() const { return n_columns * column_stride; }  ///< Of elements without gaps.
+
+  std::size_t n_component_bytes = 0, n_columns = 1, n_rows = 1, column_stride = 0;
+};
+
 const unsigned char* view_begin(const tinygltf::Model& model, int view_index) {
   const tinygltf::BufferView& view = model.bufferViews[index_of(view_index)];
   return model.buffers[index_of(view.buffer)].data.data() + view.byteOffset;
@@ -120,11 +140,11 @@ class AccessorCheck {
   }
 
   void check(const tinygltf::Accessor& accessor) const {
-    const std::size_t n_component_bytes = component_bytes(accessor.componentType);
-    expect(n_component_bytes > 0, "a componentType of glTF", accessor.componentType);
+    expect(component_bytes(accessor.componentType) > 0, "a componentType of glTF", accessor.componentType);
     const int n = tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(accessor.type));
     expect(n > 0, "a type of glTF", accessor.type);
-    const std::size_t element_bytes = n_component_bytes * index_of(n);
+    const ElementLayout layout(accessor);
+    const std::size_t element_bytes = layout.size();
     expect(accessor.count > 0, "a count of at least 1", accessor.count);
     if (accessor.bufferView >= 0) {
       check_elements(accessor.bufferView, 0, 1, 1, 0);
@@ -132,17 +152,17 @@ class AccessorCheck {
       expect(stride == 0 || (stride >= element_bytes && stride <= 252),
              fmt::format("a byteStride of {} to 252", element_bytes), stride);
       check_elements(accessor.bufferView, accessor.byteOffset, accessor.count,
-                     stride == 0 ? element_bytes : stride, element_bytes);
+                     stride == 0 ? layout.stride() : stride, element_bytes);
     } else {
       // All zeros, or zeros with sparse values: nothing in the file holds the count, so it is held to the
       // file.
       expect(accessor.count <= std::max<std::size_t>(n_file_bytes_, 65536),
              "a count that the file can hold, as the accessor has no buffer view", accessor.count);
     }
-    if (accessor.sparse.isSparse) check_sparse(accessor, element_bytes);
+    if (accessor.sparse.isSparse) check_sparse(accessor, layout);
   }
 
-  void check_sparse(const tinygltf::Accessor& accessor, std::size_t element_bytes) const {
+  void check_sparse(const tinygltf::Accessor& accessor, const ElementLayout& layout) const {
     const auto& sparse = accessor.sparse;
     expect(sparse.count > 0 && index_of(sparse.count) <= accessor.count,
            fmt::format("a sparse count of 1 to {}", accessor.count), sparse.count);
@@ -156,7 +176,7 @@ class AccessorCheck {
     check_elements(sparse.indices.bufferView, index_of(sparse.indices.byteOffset), index_of(sparse.count),
                    index_bytes, index_bytes);
     check_elements(sparse.values.bufferView, index_of(sparse.values.byteOffset), index_of(sparse.count),
-                   element_bytes, element_bytes);
+                   layout.stride(), layout.size());
     const unsigned char* indices = view_begin(model_, sparse.indices.bufferView) + sparse.indices.byteOffset;
     std::uint64_t least = 0;
     for (std::size_t i = 0; i < index_of(sparse.count); ++i) {
@@ -177,10 +197,10 @@ class AccessorCheck {
 class ElementReader {
  public:
   ElementReader(const tinygltf::Model& model, const tinygltf::Accessor& accessor)
-      : n_bytes_(component_bytes(accessor.componentType) * n_components_of(accessor)) {
+      : size_(ElementLayout(accessor).size()), packed_stride_(ElementLayout(accessor).stride()) {
     if (accessor.bufferView >= 0) {
       const std::size_t view_stride = model.bufferViews[index_of(accessor.bufferView)].byteStride;
-      stride_ = view_stride == 0 ? n_bytes_ : view_stride;
+      stride_ = view_stride == 0 ? packed_stride_ : view_stride;
       dense_ = view_begin(model, accessor.bufferView) + accessor.byteOffset;
     }
     if (!accessor.sparse.isSparse) return;
@@ -195,10 +215,10 @@ class ElementReader {
   /// n elements without gaps; the i-th is number `element_of(i)`.
   template <typename ElementOf>
   std::vector<unsigned char> gather(std::size_t n, const ElementOf& element_of) const {
-    std::vector<unsigned char> bytes(n * n_bytes_);
+    std::vector<unsigned char> bytes(n * packed_stride_);
     for (std::size_t i = 0; i < n; ++i)
       if (const unsigned char* from = find(element_of(i)))
-        std::memcpy(bytes.data() + i * n_bytes_, from, n_bytes_);
+        std::memcpy(bytes.data() + i * packed_stride_, from, size_);
     return bytes;
   }
 
@@ -210,11 +230,11 @@ class ElementReader {
     };
     const auto all = std::views::iota(std::size_t{0}, n_sparse_);
     const auto at = std::ranges::lower_bound(all, element, {}, sparse_index);
-    if (at != all.end() && sparse_index(*at) == element) return sparse_values_ + *at * n_bytes_;
+    if (at != all.end() && sparse_index(*at) == element) return sparse_values_ + *at * packed_stride_;
     return dense_ == nullptr ? nullptr : dense_ + element * stride_;
   }
 
-  std::size_t n_bytes_ = 0, stride_ = 0;
+  std::size_t size_ = 0, packed_stride_ = 0, stride_ = 0;
   const unsigned char* dense_ = nullptr;
   std::size_t n_sparse_ = 0;
   int index_type_ = 0;
@@ -223,10 +243,15 @@ class ElementReader {
 };
 
 std::vector<float> floats_of(const tinygltf::Accessor& accessor, const std::vector<unsigned char>& bytes) {
-  const std::size_t n_bytes = component_bytes(accessor.componentType);
-  std::vector<float> values(bytes.size() / n_bytes);
-  for (std::size_t i = 0; i < values.size(); ++i)
-    values[i] = load_float(bytes.data() + i * n_bytes, accessor.componentType, accessor.normalized);
+  const ElementLayout layout(accessor);
+  const std::size_t n_columns = bytes.size() / layout.column_stride;
+  std::vector<float> values;
+  values.reserve(n_columns * layout.n_rows);
+  for (std::size_t column = 0; column < n_columns; ++column)
+    for (std::size_t row = 0; row < layout.n_rows; ++row)
+      values.push_back(
+          load_float(bytes.data() + column * layout.column_stride + row * layout.n_component_bytes,
+                     accessor.componentType, accessor.normalized));
   return values;
 }
 

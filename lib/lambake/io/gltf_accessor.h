@@ -28,7 +28,7 @@ std::vector<float> decode_floats(const tinygltf::Model& model, std::size_t acces
 /// `count` whole numbers of an accessor of unsigned integers.
 std::vector<std::uint32_t> decode_unsigned(const tinygltf::Model& model, std::size_t accessor);
 
-/// The elements' bytes, without gaps.
+/// The elements' bytes, without gaps but those in matrices, whose columns take multiples of 4 bytes.
 std::vector<unsigned char> decode_bytes(const tinygltf::Model& model, std::size_t accessor);
 std::vector<unsigned char> decode_bytes(const tinygltf::Model& model, std::size_t accessor,
                                         std::span<const std::uint32_t> elements);

@@ -13,6 +13,7 @@
 #include "lambake/io/gltf_accessor.h"
 #include "lambake/io/gltf_compression.h"
 #include "lambake/io/gltf_source.h"
+#include "lambake/io/json_text.h"
 
 namespace lambake {
 namespace {
@@ -62,6 +63,17 @@ bool keep_image(tinygltf::Image* image, int, std::string*, std::string*, int, in
   return true;
 }
 
+/// A name as tinygltf decodes it, which takes + for a blank.
+std::string encode_for_tinygltf(const std::string& name) {
+  std::string uri;
+  for (const char c : name)
+    if (c == '+' || c == '%')
+      uri += c == '+' ? "%2B" : "%25";
+    else
+      uri += c;
+  return uri;
+}
+
 /// What tinygltf stumbles over though the specification allows it, or that it need not see.
 void prepare(GltfJson& plain, std::vector<std::vector<unsigned char>>& buffers) {
   for (std::size_t i = 0; i < buffers.size(); ++i) {
@@ -70,6 +82,11 @@ void prepare(GltfJson& plain, std::vector<std::vector<unsigned char>>& buffers) 
     buffer["byteLength"] = buffers[i].size();
     buffer["uri"] = std::string(buffer_prefix) + std::to_string(i);
   }
+  if (member(plain, "images").is_array())
+    for (GltfJson& image : plain["images"])
+      if (const GltfJson& uri = member(image, "uri"); uri.is_string())
+        if (const std::string text = uri; !text.starts_with("data:"))
+          image["uri"] = encode_for_tinygltf(decode_percent(text));
   if (member(plain, "accessors").is_array())
     for (GltfJson& accessor : plain["accessors"])
       if (member(accessor, "sparse").is_object())
@@ -217,6 +234,22 @@ class ModelCheck {
   const tinygltf::Model& model_;
 };
 
+/// Materials of variants are not in the model.
+void check_variants(const std::string& path, const GltfJson& json) {
+  const std::size_t n_materials = member(json, "materials").size();
+  for (std::size_t m = 0; m < member(json, "meshes").size(); ++m) {
+    const GltfJson& primitives = member(json["meshes"][m], "primitives");
+    for (std::size_t p = 0; p < primitives.size(); ++p)
+      for (const GltfJson* holder : material_holders(primitives[p]))
+        if (const GltfJson& material = member(*holder, "material");
+            !material.is_null() && material.get<std::size_t>() >= n_materials)
+          throw IoError(path,
+                        fmt::format("meshes[{}].primitives[{}].extensions.KHR_materials_variants: expected "
+                                    "materials below {}, found {}",
+                                    m, p, n_materials, shown(material)));
+  }
+}
+
 }  // namespace
 
 GltfAsset load_gltf_asset(const std::string& path) {
@@ -233,6 +266,7 @@ GltfAsset load_gltf_asset(const std::string& path) {
   asset.json = std::move(source.json);
   check_accessors(path, asset.model);
   ModelCheck(path, asset.model).run();
+  check_variants(path, asset.json);
   return asset;
 }
 

@@ -8,6 +8,7 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <utility>
 
 #include "lambake/core/error.h"
 #include "lambake/io/json_text.h"
@@ -15,20 +16,36 @@
 namespace lambake {
 namespace {
 
+/// The most that all of a file decompresses to: streams may be named many times.
+constexpr std::uint64_t free_bytes = std::uint64_t{1} << 28, bytes_per_byte = 256;
+
 /// The most that a byte of a meshopt stream can stand for: 2 header bits are a group of 16 bytes.
 constexpr std::uint64_t largest_meshopt_ratio = 64;
 
 class Decompressor {
  public:
   Decompressor(const GltfSource& source, GltfJson& plain, std::vector<std::vector<unsigned char>>& buffers)
-      : source_(source), plain_(plain), buffers_(buffers), n_file_buffers_(buffers.size()) {}
+      : source_(source), plain_(plain), buffers_(buffers), n_file_buffers_(buffers.size()) {
+    std::uint64_t n_file_bytes = 0;
+    for (const std::vector<unsigned char>& bytes : buffers) n_file_bytes += bytes.size();
+    n_bytes_left_ = free_bytes + bytes_per_byte * n_file_bytes;
+  }
 
   void run() {
     const std::size_t n_views = member(plain_, "bufferViews").size();
+    std::vector<std::pair<std::size_t, const GltfJson*>> views;
     for (std::size_t i = 0; i < n_views; ++i) {
       const GltfJson& extension =
           member(member(source_.json["bufferViews"][i], "extensions"), "EXT_meshopt_compression");
-      if (extension.is_object()) decode_view(i, extension);
+      if (extension.is_object()) views.emplace_back(i, &extension);
+    }
+    const std::vector<bool> is_used = views.empty() ? std::vector<bool>() : used_views();
+    for (const auto& [i, extension] : views) {
+      where_ = fmt::format("bufferViews[{}].extensions.EXT_meshopt_compression", i);
+      if (is_used[i])
+        decode_view(i, *extension);
+      else
+        leave_out_view(i, *extension);
     }
     const std::size_t n_meshes = member(plain_, "meshes").size();
     for (std::size_t m = 0; m < n_meshes; ++m) {
@@ -60,8 +77,32 @@ class Decompressor {
     return {bytes.data() + offset, length};
   }
 
+  /// Which views have accessors or images.
+  std::vector<bool> used_views() const {
+    std::vector<bool> is_used(member(source_.json, "bufferViews").size(), false);
+    const auto use = [&](const GltfJson& holder) {
+      const std::uint64_t view = whole_or(holder, "bufferView", is_used.size());
+      if (view < is_used.size()) is_used[view] = true;
+    };
+    for (const GltfJson& accessor : member(source_.json, "accessors")) {
+      use(accessor);
+      for (const char* part : {"indices", "values"}) use(member(member(accessor, "sparse"), part));
+    }
+    for (const GltfJson& image : member(source_.json, "images")) use(image);
+    return is_used;
+  }
+
+  /// A view that nothing reads is not decoded; some bytes stand in for it.
+  void leave_out_view(std::size_t index, const GltfJson& extension) {
+    static_cast<void>(bytes_of(extension));  // Checked all the same.
+    GltfJson& view = plain_["bufferViews"][index];
+    view["buffer"] = whole_or(extension, "buffer", 0);
+    view["byteOffset"] = 0;
+    view["byteLength"] = 1;
+    view.erase("extensions");
+  }
+
   void decode_view(std::size_t index, const GltfJson& extension) {
-    where_ = fmt::format("bufferViews[{}].extensions.EXT_meshopt_compression", index);
     const std::span<const unsigned char> packed = bytes_of(extension);
     const std::uint64_t count = whole_or(extension, "count", 0),
                         stride = whole_or(extension, "byteStride", 0);
@@ -99,6 +140,12 @@ class Decompressor {
   }
 
   std::size_t add_buffer(std::vector<unsigned char> bytes) {
+    if (bytes.size() > n_bytes_left_)
+      fail(
+          fmt::format("expected a file that decompresses to at most {} bytes and {} for each of its own, "
+                      "found more",
+                      free_bytes, bytes_per_byte));
+    n_bytes_left_ -= bytes.size();
     plain_["buffers"].push_back({{"byteLength", bytes.size()}});
     buffers_.push_back(std::move(bytes));
     return buffers_.size() - 1;
@@ -198,6 +245,7 @@ class Decompressor {
   GltfJson& plain_;
   std::vector<std::vector<unsigned char>>& buffers_;
   const std::size_t n_file_buffers_;
+  std::uint64_t n_bytes_left_ = 0;
   std::string where_;
 };
 

@@ -4,10 +4,12 @@
 
 #include <cmath>
 #include <map>
+#include <string_view>
 
 #include "lambake/core/error.h"
 #include "lambake/io/gltf_source.h"
 #include "lambake/io/image_file.h"
+#include "lambake/io/json_text.h"
 
 namespace lambake {
 namespace {
@@ -38,6 +40,9 @@ LinearRgb emission_of_file(const tinygltf::Material& material, const GltfJson& j
   const double strength = number_or(member(extension, "emissiveStrength"), 1);
   return color_of(material.emissiveFactor, {0, 0, 0}) * static_cast<float>(std::max(0.0, strength));
 }
+
+/// One image of the largest size is free; a PNG of a single grey has about 1000 pixels for each of its bytes.
+constexpr std::uint64_t free_pixels = std::uint64_t{1} << 26, pixels_per_byte = 2000;
 
 class MaterialReader {
  public:
@@ -119,23 +124,38 @@ class MaterialReader {
   }
 
   std::uint32_t read_image(std::size_t index) {
+    const std::vector<unsigned char>& bytes = asset_.model.images[index].image;
+    // Equal bytes are one image, however many name them.
     const auto [place, is_new] =
-        image_of_.try_emplace(index, static_cast<std::uint32_t>(scene_.images.size()));
+        image_of_.try_emplace(std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()),
+                              static_cast<std::uint32_t>(scene_.images.size()));
     if (is_new) {
-      const std::vector<unsigned char>& bytes = asset_.model.images[index].image;
       const std::string name = fmt::format("{}: images[{}]", asset_.path, index);
       if (bytes.empty())
-        throw IoError(name,
-                      fmt::format("expected a file \"{}\", found none", asset_.model.images[index].uri));
+        throw IoError(
+            name, "expected a file " + shown(member(asset_.json["images"][index], "uri")) + ", found none");
       scene_.images.push_back(decode_image(std::as_bytes(std::span(bytes)), name));
+      count_pixels(scene_.images.back().n_pixels(), bytes.size(), name);
     }
     return place->second;
+  }
+
+  /// Holds the pixels of all images to the bytes that they are decoded from: a few may claim any size.
+  void count_pixels(std::size_t n_pixels, std::size_t n_bytes, const std::string& name) {
+    n_pixels_ += n_pixels;
+    n_most_pixels_ += pixels_per_byte * n_bytes;
+    if (n_pixels_ > n_most_pixels_)
+      throw IoError(name,
+                    fmt::format("expected images of at most {} pixels together and {} for each of their "
+                                "bytes, found {}",
+                                free_pixels, pixels_per_byte, n_pixels_));
   }
 
   const GltfAsset& asset_;
   Scene& scene_;
   Findings& findings_;
-  std::map<std::size_t, std::uint32_t> image_of_;
+  std::map<std::string_view, std::uint32_t> image_of_;  ///< By their encoded bytes.
+  std::uint64_t n_pixels_ = 0, n_most_pixels_ = free_pixels;
   std::size_t n_left_out_ = 0, n_clamped_ = 0;
 };
 

@@ -7,7 +7,8 @@
 /// Materials of glTF, read as Lambertian; internal to io.
 namespace lambake {
 
-/// Fills the scene's materials (those of the file, in its order, then the default one), and the textures and
+/// Fills the scene's materials (those of the file, in its order, then the default one,
+/// which the caller takes away where no primitive needs it), and the textures and
 /// images that they need.
 /// @throws IoError if an image that is needed is missing or does not decode.
 void read_gltf_materials(const GltfAsset& asset, Scene& scene, Findings& findings);

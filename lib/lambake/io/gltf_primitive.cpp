@@ -21,21 +21,6 @@ glm::dvec3 vec3_at(const std::vector<float>& values, std::size_t i) {
   return {values[3 * i], values[3 * i + 1], values[3 * i + 2]};
 }
 
-/// Adds the morph targets' displacements with the weights of the node, or else of its mesh.
-void morph(const GltfAsset& asset, const tinygltf::Node& node, const tinygltf::Primitive& primitive,
-           const char* semantic, const VertexSelection& selection, std::vector<float>& values,
-           const std::string& where) {
-  const std::vector<double>& mesh_weights = asset.model.meshes[index_of(node.mesh)].weights;
-  const std::vector<double>& weights = node.weights.empty() ? mesh_weights : node.weights;
-  for (std::size_t t = 0; t < primitive.targets.size() && t < weights.size(); ++t) {
-    if (weights[t] == 0) continue;
-    const std::vector<float> offsets =
-        read_attribute(asset, primitive.targets[t], semantic, 3, selection, where + ".targets");
-    for (std::size_t i = 0; i < offsets.size(); ++i)
-      values[i] = static_cast<float>(values[i] + weights[t] * offsets[i]);
-  }
-}
-
 /// World matrix of each vertex of a skinned primitive: Σ w · joint · inverse bind matrix.
 class Skinning {
  public:
@@ -139,6 +124,32 @@ std::vector<float> read_attribute(const GltfAsset& asset, const std::map<std::st
                                     : decode_floats(asset.model, index, selection.selected);
 }
 
+std::vector<float> read_morphed(const GltfAsset& asset, const tinygltf::Node& node,
+                                const tinygltf::Primitive& primitive, const std::string& semantic,
+                                std::size_t n_components, const VertexSelection& selection,
+                                const std::string& where) {
+  std::vector<float> values =
+      read_attribute(asset, primitive.attributes, semantic, n_components, selection, where);
+  if (values.empty()) return values;
+  const std::vector<double>& mesh_weights = asset.model.meshes[index_of(node.mesh)].weights;
+  const std::vector<double>& weights = node.weights.empty() ? mesh_weights : node.weights;
+  for (std::size_t t = 0; t < primitive.targets.size() && t < weights.size(); ++t) {
+    const auto found = primitive.targets[t].find(semantic);
+    if (weights[t] == 0 || found == primitive.targets[t].end()) continue;
+    std::size_t n_offsets = n_components;
+    if (semantic.starts_with("COLOR_"))  // Three or four, whatever the primitive's own have.
+      n_offsets = n_components_of(asset.model.accessors[index_of(found->second)]) == 4 ? 4 : 3;
+    const std::vector<float> offsets =
+        read_attribute(asset, primitive.targets[t], semantic, n_offsets, selection, where + ".targets");
+    for (std::size_t i = 0; i < selection.size(); ++i)
+      for (std::size_t k = 0; k < std::min(n_components, n_offsets); ++k) {
+        float& value = values[i * n_components + k];
+        value = static_cast<float>(value + weights[t] * offsets[i * n_offsets + k]);
+      }
+  }
+  return values;
+}
+
 std::vector<glm::uvec3> read_triangles(const GltfAsset& asset, const tinygltf::Primitive& primitive,
                                        std::size_t n_vertices, const std::string& where) {
   std::vector<std::uint32_t> indices;
@@ -201,10 +212,8 @@ WorldVertices read_vertices(const GltfAsset& asset, std::size_t node_index,
                             const tinygltf::Primitive& primitive, const VertexSelection& selection,
                             const std::vector<glm::dmat4>& world, const std::string& where) {
   const tinygltf::Node& node = asset.model.nodes[node_index];
-  std::vector<float> positions = read_attribute(asset, primitive.attributes, "POSITION", 3, selection, where);
-  std::vector<float> normals = read_attribute(asset, primitive.attributes, "NORMAL", 3, selection, where);
-  morph(asset, node, primitive, "POSITION", selection, positions, where);
-  if (!normals.empty()) morph(asset, node, primitive, "NORMAL", selection, normals, where);
+  const std::vector<float> positions = read_morphed(asset, node, primitive, "POSITION", 3, selection, where);
+  const std::vector<float> normals = read_morphed(asset, node, primitive, "NORMAL", 3, selection, where);
 
   std::optional<Skinning> skinning;
   if (node.skin >= 0 && primitive.attributes.contains("JOINTS_0"))

@@ -49,4 +49,11 @@ std::vector<float> read_attribute(const GltfAsset& asset, const std::map<std::st
                                   const std::string& semantic, std::size_t n_components,
                                   const VertexSelection& selection, const std::string& where);
 
+/// The same of a primitive, with the morph targets' displacements added, by the weights of the node or else
+/// of its mesh. Not clamped.
+std::vector<float> read_morphed(const GltfAsset& asset, const tinygltf::Node& node,
+                                const tinygltf::Primitive& primitive, const std::string& semantic,
+                                std::size_t n_components, const VertexSelection& selection,
+                                const std::string& where);
+
 }  // namespace lambake

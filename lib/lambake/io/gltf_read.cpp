@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -7,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "lambake/core/bounds.h"
 #include "lambake/core/error.h"
 #include "lambake/io/gltf.h"
 #include "lambake/io/gltf_accessor.h"
@@ -47,6 +49,8 @@ class SceneReader {
     for (const std::size_t node : nodes_) read_node(node);
     if (scene_.mesh.triangles.empty())
       throw InvalidScene(asset_.path + ": expected a scene with triangles, found none");
+    // The default of the specification is no material of the file unless a primitive has none.
+    if (!has_default_material_) scene_.materials.pop_back();
     drop_identity();
     tell();
     file_.findings = std::move(findings_);
@@ -140,6 +144,7 @@ class SceneReader {
     placed.is_mirrored = vertices.is_mirrored;
     placed.triangle_begin = static_cast<std::uint32_t>(mesh.n_triangles());
     const bool is_flat = vertices.normals.empty();
+    count_defects(vertices);
     append(mesh.positions, std::move(vertices.positions));
     append(mesh.normals, std::move(vertices.normals));
     mesh.normals.resize(mesh.n_vertices(), glm::vec3(0));
@@ -147,11 +152,12 @@ class SceneReader {
     std::iota(sources.begin(), sources.end(), n_source_vertices_);
     append(mesh.source_vertices, std::move(sources));
     n_source_vertices_ += static_cast<std::uint32_t>(n);
-    read_colors(primitive, selection, where);
-    for (std::size_t set = 0; set < 2; ++set) read_texcoords(primitive, set, selection, where);
+    read_colors(node, primitive, selection, where);
+    for (std::size_t set = 0; set < 2; ++set) read_texcoords(node, primitive, set, selection, where);
 
     const auto material = static_cast<std::uint32_t>(primitive.material >= 0 ? index_of(primitive.material)
                                                                              : model().materials.size());
+    has_default_material_ |= primitive.material < 0;
     for (glm::uvec3& t : triangles) {
       t += placed.vertex_begin;
       if (vertices.is_mirrored) std::swap(t[1], t[2]);
@@ -163,7 +169,15 @@ class SceneReader {
     asset_.placed.push_back(std::move(placed));
   }
 
-  void read_colors(const tinygltf::Primitive& primitive, const VertexSelection& selection,
+  void count_defects(const WorldVertices& vertices) {
+    const auto count = [](const std::vector<glm::vec3>& values, const auto& is_odd) {
+      return static_cast<std::size_t>(std::count_if(values.begin(), values.end(), is_odd));
+    };
+    n_not_finite_ += count(vertices.positions, [](const glm::vec3& p) { return !is_finite(p); });
+    n_undirected_ += count(vertices.normals, [](const glm::vec3& n) { return n == glm::vec3(0); });
+  }
+
+  void read_colors(std::size_t node, const tinygltf::Primitive& primitive, const VertexSelection& selection,
                    const std::string& where) {
     Mesh& mesh = scene_.mesh;
     if (!has_colors_) return;
@@ -175,7 +189,7 @@ class SceneReader {
     }
     const std::size_t n_components = n_components_of(model().accessors[index_of(found->second)]) == 4 ? 4 : 3;
     const std::vector<float> values =
-        read_attribute(asset_, primitive.attributes, "COLOR_0", n_components, selection, where);
+        read_morphed(asset_, model().nodes[node], primitive, "COLOR_0", n_components, selection, where);
     const auto unit = [](float x) { return x >= 0 ? std::min(x, 1.0f) : 0.0f; };
     if (mesh.colors.empty()) mesh.colors.reserve(selection.size());
     for (std::size_t i = 0; i < selection.size(); ++i) {
@@ -185,12 +199,12 @@ class SceneReader {
     }
   }
 
-  void read_texcoords(const tinygltf::Primitive& primitive, std::size_t set, const VertexSelection& selection,
-                      const std::string& where) {
+  void read_texcoords(std::size_t node, const tinygltf::Primitive& primitive, std::size_t set,
+                      const VertexSelection& selection, const std::string& where) {
     if (!has_texcoords_[set]) return;
     std::vector<glm::vec2>& texcoords = scene_.mesh.texcoords[set];
-    const std::vector<float> values =
-        read_attribute(asset_, primitive.attributes, fmt::format("TEXCOORD_{}", set), 2, selection, where);
+    const std::vector<float> values = read_morphed(asset_, model().nodes[node], primitive,
+                                                   fmt::format("TEXCOORD_{}", set), 2, selection, where);
     for (std::size_t i = 0; i < values.size() / 2; ++i)
       texcoords.emplace_back(values[2 * i], values[2 * i + 1]);
     texcoords.resize(scene_.mesh.n_vertices(), glm::vec2(0));
@@ -235,6 +249,13 @@ class SceneReader {
     return n;
   }
 
+  std::size_t n_cones_without_ramp() const {
+    return static_cast<std::size_t>(
+        std::count_if(scene_.lights.begin(), scene_.lights.end(), [](const Light& light) {
+          return light.type == LightType::spot && light.inner_cone_rad == light.outer_cone_rad;
+        }));
+  }
+
   void tell() {
     add_finding(findings_, "points_and_lines", n_points_and_lines_,
                 "primitive[ is|s are] points or lines; kept as [it is|they are], not lit");
@@ -246,6 +267,11 @@ class SceneReader {
         "are]");
     add_finding(findings_, "primitives_without_positions", n_without_positions_,
                 "placed primitive[ has|s have] no positions; kept as [it is|they are], not lit");
+    add_finding(findings_, "non_finite_vertices", n_not_finite_,
+                "vert[ex has|ices have] a coordinate that is not finite; kept, [its|their] faces are neither "
+                "lit nor seen");
+    add_finding(findings_, "normals_without_direction", n_undirected_,
+                "normal[|s] in the file ha[s|ve] no direction; unlit");
     add_finding(findings_, "flat_primitives", n_flat_,
                 "placed primitive[ has|s have] no normals; shaded flat");
     add_finding(findings_, "skinned_nodes", n_skinned_,
@@ -254,6 +280,9 @@ class SceneReader {
                 "node[ has|s have] morph targets; baked with the weights of the file");
     add_finding(findings_, "light_units", scene_.lights.size(),
                 "light[|s] of the file [is|are] in lux or candela; divided by pi (docs/gltf.md)");
+    add_finding(findings_, "cones_without_ramp", n_cones_without_ramp(),
+                "spot light[ has an inner cone angle that equals its|s have inner cone angles that equal "
+                "their] outer one; lit with the narrowest ramp, 0.001 in the cosine");
     std::size_t n_outside = 0;
     const std::set<std::size_t> inside(nodes_.begin(), nodes_.end());
     for (std::size_t n = 0; n < model().nodes.size(); ++n)
@@ -276,9 +305,10 @@ class SceneReader {
   std::vector<std::size_t> n_users_;  ///< Primitives of the file that have an accessor as their positions.
   VertexSelector selector_;
   bool has_colors_ = false, has_opacities_ = false, has_texcoords_[2] = {false, false};
+  bool has_default_material_ = false;
   std::uint32_t n_source_vertices_ = 0;
   std::size_t n_corners_left_over_ = 0, n_points_and_lines_ = 0, n_without_positions_ = 0, n_flat_ = 0,
-              n_skinned_ = 0, n_morphed_ = 0;
+              n_skinned_ = 0, n_morphed_ = 0, n_not_finite_ = 0, n_undirected_ = 0;
 };
 
 }  // namespace

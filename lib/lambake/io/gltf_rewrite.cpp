@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <string_view>
 
 #include "lambake/io/gltf_accessor.h"
@@ -220,7 +221,8 @@ double component_at(const unsigned char* bytes, int component_type) {
   }
 }
 
-/// min and max of an accessor's elements, as positions must have them.
+/// min and max of an accessor's elements, as positions must have them: of what is finite, as JSON has no
+/// other numbers, and 0 where nothing is.
 void set_extremes(GltfJson& accessor, const GltfElements& elements, std::size_t n_components,
                   std::size_t component_bytes) {
   const std::size_t stride = elements.bytes.size() / elements.count;
@@ -229,8 +231,9 @@ void set_extremes(GltfJson& accessor, const GltfElements& elements, std::size_t 
     for (std::size_t i = 0; i < elements.count; ++i) {
       const double value =
           component_at(elements.bytes.data() + i * stride + k * component_bytes, elements.component_type);
-      low = std::min(low, value), high = std::max(high, value);
+      if (std::isfinite(value)) low = std::min(low, value), high = std::max(high, value);
     }
+    if (low > high) low = high = 0;
     accessor["min"].push_back(low);
     accessor["max"].push_back(high);
   }
@@ -259,7 +262,8 @@ void PrimitiveRewriter::rewrite(GltfJson& primitive, const BakedPrimitive& baked
   if (primitive.contains("targets"))
     for (GltfJson& target : primitive["targets"])
       for (auto& [semantic, accessor] : target.items())
-        accessor = rewrite_accessor(accessor.get<std::size_t>(), semantic, baked, true);
+        if (semantic != skipped)
+          accessor = rewrite_accessor(accessor.get<std::size_t>(), semantic, baked, true);
   const IndexElements indices(baked.triangles, baked.vertices.size());
   primitive["indices"] = append_once(indices.elements(), "");
   primitive.erase("mode");

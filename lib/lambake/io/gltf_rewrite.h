@@ -44,7 +44,7 @@ class PrimitiveRewriter {
  public:
   PrimitiveRewriter(const GltfAsset& asset, GltfDocument& document) : asset_(asset), document_(document) {}
 
-  /// Replaces the primitive's attributes (but `skipped`), morph targets and indices; nothing of it is
+  /// Replaces the primitive's attributes and morph targets, all but `skipped`, and indices; nothing of it is
   /// compressed afterwards. Floating point attributes are interpolated where a vertex is a cut, normals and
   /// tangents renormalised, joints and weights mixed (gltf_skin.h); whole numbers are those of the nearer
   /// end.

@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "lambake/core/error.h"
+#include "lambake/io/gltf_parse.h"
 #include "lambake/io/gltf_types.h"
 #include "lambake/io/input_file.h"
 #include "lambake/io/json_text.h"
@@ -90,15 +91,6 @@ GlbChunks split_glb(const std::vector<unsigned char>& bytes, const std::string& 
   return chunks;
 }
 
-GltfJson parse_json(std::span<const unsigned char> text, const std::string& path) {
-  check_depth(path, {reinterpret_cast<const char*>(text.data()), text.size()});
-  try {
-    return GltfJson::parse(text.begin(), text.end());
-  } catch (const GltfJson::exception& error) {
-    throw_no_json(path, error.what());
-  }
-}
-
 void check_asset(const GltfSource& source) {
   const GltfJson& version = member(member(source.json, "asset"), "version");
   if (!version.is_string())
@@ -147,6 +139,24 @@ std::vector<unsigned char> read_buffer(const GltfSource& source, std::size_t ind
   return bytes;
 }
 
+}  // namespace
+
+bool is_known_extension(const std::string& name) {
+  return std::find(known_extensions.begin(), known_extensions.end(), name) != known_extensions.end();
+}
+
+const GltfJson& member(const GltfJson& json, const char* key) {
+  static const GltfJson none;
+  if (!json.is_object()) return none;
+  const auto it = json.find(key);
+  return it == json.end() ? none : *it;
+}
+
+std::uint64_t whole_or(const GltfJson& json, const char* key, std::uint64_t fallback) {
+  const GltfJson& value = member(json, key);
+  return value.is_null() ? fallback : value.get<std::uint64_t>();
+}
+
 std::string decode_percent(const std::string& uri) {
   std::string text;
   for (std::size_t i = 0; i < uri.size(); ++i) {
@@ -166,24 +176,6 @@ std::string decode_percent(const std::string& uri) {
   return text;
 }
 
-}  // namespace
-
-bool is_known_extension(const std::string& name) {
-  return std::find(known_extensions.begin(), known_extensions.end(), name) != known_extensions.end();
-}
-
-const GltfJson& member(const GltfJson& json, const char* key) {
-  static const GltfJson none;
-  if (!json.is_object()) return none;
-  const auto it = json.find(key);
-  return it == json.end() ? none : *it;
-}
-
-std::uint64_t whole_or(const GltfJson& json, const char* key, std::uint64_t fallback) {
-  const GltfJson& value = member(json, key);
-  return value.is_null() ? fallback : value.get<std::uint64_t>();
-}
-
 std::filesystem::path file_beside(const std::string& path, const std::string& uri) {
   return std::filesystem::path(path).parent_path() / decode_percent(uri);
 }
@@ -194,7 +186,7 @@ GltfSource read_gltf_source(const std::string& path) {
   source.path = path;
   source.is_glb = bytes.size() >= 4 && std::memcmp(bytes.data(), "glTF", 4) == 0;
   const GlbChunks chunks = source.is_glb ? split_glb(bytes, path) : GlbChunks{bytes, {}};
-  source.json = parse_json(chunks.json, path);
+  source.json = parse_gltf_json(chunks.json, path);
   if (!source.json.is_object()) throw IoError(path, "expected a JSON object");
   check_gltf_types(path, source.json);
   check_asset(source);

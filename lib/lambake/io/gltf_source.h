@@ -27,11 +27,25 @@ GltfSource read_gltf_source(const std::string& path);
 /// The file that a relative URI names, beside `path`.
 std::filesystem::path file_beside(const std::string& path, const std::string& uri);
 
+/// A URI's text with %XX replaced by what it stands for; all else is literal, + too (RFC 3986).
+std::string decode_percent(const std::string& uri);
+
 /// Extensions whose meaning for Lambert light is taken in, or that have none.
 bool is_known_extension(const std::string& name);
 
 /// The member `key` of an object, or null where there is none or `json` is no object.
 const GltfJson& member(const GltfJson& json, const char* key);
+
+/// What names a material of a primitive: itself, and the mappings of its KHR_materials_variants.
+/// @tparam Json  GltfJson, const or not.
+template <typename Json>
+std::vector<Json*> material_holders(Json& primitive) {
+  constexpr const char* variants = "KHR_materials_variants";
+  std::vector<Json*> holders{&primitive};
+  if (member(member(member(primitive, "extensions"), variants), "mappings").is_array())
+    for (Json& mapping : primitive["extensions"][variants]["mappings"]) holders.push_back(&mapping);
+  return holders;
+}
 
 /// A whole number of at least 0, as which check_gltf_types() knows `json[key]`; `fallback` where there is
 /// none.

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdint>
+#include <limits>
 #include <string_view>
 #include <variant>
 #include <vector>
@@ -13,7 +15,11 @@
 namespace lambake {
 namespace {
 
-enum class Type { whole, number, numbers, boolean, string, object };
+/// `size` is a whole number of bytes or elements, held to the file elsewhere; `whole` any other, which
+/// tinygltf keeps as an int.
+enum class Type { whole, size, number, numbers, boolean, string, object };
+
+constexpr std::uint64_t largest_whole = std::numeric_limits<int>::max();
 
 struct Member {
   std::string_view place;  ///< Keys; [] is each element of an array and {} each member of an object.
@@ -51,13 +57,14 @@ constexpr Member members[] = {
     {"meshes/[]/primitives/[]/material", Type::whole},
     {"meshes/[]/primitives/[]/mode", Type::whole},
     {"meshes/[]/primitives/[]/targets/[]/{}", Type::whole},
+    {"meshes/[]/primitives/[]/extensions/KHR_materials_variants/mappings/[]/material", Type::whole},
     {"meshes/[]/primitives/[]/extensions/KHR_draco_mesh_compression/bufferView", Type::whole},
     {"meshes/[]/primitives/[]/extensions/KHR_draco_mesh_compression/attributes/{}", Type::whole},
 
     {"accessors/[]/bufferView", Type::whole},
-    {"accessors/[]/byteOffset", Type::whole},
+    {"accessors/[]/byteOffset", Type::size},
     {"accessors/[]/componentType", Type::whole},
-    {"accessors/[]/count", Type::whole},
+    {"accessors/[]/count", Type::size},
     {"accessors/[]/normalized", Type::boolean},
     {"accessors/[]/type", Type::string},
     {"accessors/[]/sparse/count", Type::whole},
@@ -67,17 +74,17 @@ constexpr Member members[] = {
     {"accessors/[]/sparse/values/bufferView", Type::whole},
     {"accessors/[]/sparse/values/byteOffset", Type::whole},
     {"bufferViews/[]/buffer", Type::whole},
-    {"bufferViews/[]/byteLength", Type::whole},
-    {"bufferViews/[]/byteOffset", Type::whole},
+    {"bufferViews/[]/byteLength", Type::size},
+    {"bufferViews/[]/byteOffset", Type::size},
     {"bufferViews/[]/byteStride", Type::whole},
     {"bufferViews/[]/extensions/EXT_meshopt_compression/buffer", Type::whole},
-    {"bufferViews/[]/extensions/EXT_meshopt_compression/byteLength", Type::whole},
-    {"bufferViews/[]/extensions/EXT_meshopt_compression/byteOffset", Type::whole},
+    {"bufferViews/[]/extensions/EXT_meshopt_compression/byteLength", Type::size},
+    {"bufferViews/[]/extensions/EXT_meshopt_compression/byteOffset", Type::size},
     {"bufferViews/[]/extensions/EXT_meshopt_compression/byteStride", Type::whole},
-    {"bufferViews/[]/extensions/EXT_meshopt_compression/count", Type::whole},
+    {"bufferViews/[]/extensions/EXT_meshopt_compression/count", Type::size},
     {"bufferViews/[]/extensions/EXT_meshopt_compression/filter", Type::string},
     {"bufferViews/[]/extensions/EXT_meshopt_compression/mode", Type::string},
-    {"buffers/[]/byteLength", Type::whole},
+    {"buffers/[]/byteLength", Type::size},
     {"buffers/[]/uri", Type::string},
 
     {"materials/[]/name", Type::string},
@@ -163,6 +170,9 @@ class TypeCheck {
   void check_value(const GltfJson& json, const Member& member) const {
     switch (member.type) {
       case Type::whole:
+        expect(json.is_number_unsigned(), "a whole number of at least 0", json);
+        return expect(json.get<std::uint64_t>() <= largest_whole, "a whole number below 2^31", json);
+      case Type::size:
         return expect(json.is_number_unsigned(), "a whole number of at least 0", json);
       case Type::number:
         return expect(json.is_number(), "a number", json);

@@ -97,7 +97,7 @@ class AssetWriter {
     n_cut_short_ = rewriter.n_cut_short();
     if (options_.mark_unlit) mark_materials(document.json);
     drop_unused_draco(document.json);
-    if (n_rewritten_ > 0) drop_replaced(asset_.json, document);
+    drop_replaced(asset_.json, document);
     tell();
     return std::move(written_);
   }
@@ -137,6 +137,8 @@ class AssetWriter {
       rewriter.rewrite(primitive, baked, options_.attribute);
       ++n_rewritten_;
     }
+    n_morphed_ += drop_targets_of_light(primitive, document.json);
+    drop_packed_light(primitive);
     const bool had_color = has_color(asset_, placed);
     if (had_color && replaces_color(options_)) ++n_multiplied_;
     const EncodedColors encoded = encode(placed, baked, had_color);
@@ -144,6 +146,35 @@ class AssetWriter {
     negative_ += encoded.negative;
     primitive["attributes"][options_.attribute] = append_accessor(document, encoded.elements());
     document.json["meshes"][mesh]["primitives"][placed.primitive] = std::move(primitive);
+  }
+
+  /// The light has the colours of the morph targets in it, which a viewer would add again. A target that has
+  /// nothing else keeps its place and its weight, with positions that do not move.
+  /// @returns whether there were any.
+  bool drop_targets_of_light(GltfJson& primitive, GltfJson& json) const {
+    bool has_any = false;
+    if (!member(primitive, "targets").is_array()) return has_any;
+    for (GltfJson& target : primitive["targets"]) {
+      if (target.erase(options_.attribute) == 0) continue;
+      has_any = true;
+      if (!target.empty()) continue;
+      const std::size_t position = primitive["attributes"]["POSITION"];
+      const GltfJson& count = json["accessors"][position]["count"];
+      target["POSITION"] = append_to(json, "accessors",
+                                     {{"componentType", gltf::float_},
+                                      {"count", count},
+                                      {"type", "VEC3"},
+                                      {"min", {0, 0, 0}},
+                                      {"max", {0, 0, 0}}});
+    }
+    return has_any;
+  }
+
+  /// Viewers take what a Draco stream has before what the attributes name.
+  void drop_packed_light(GltfJson& primitive) const {
+    constexpr const char* draco = "KHR_draco_mesh_compression";
+    if (member(member(member(primitive, "extensions"), draco), "attributes").is_object())
+      primitive["extensions"][draco]["attributes"].erase(options_.attribute);
   }
 
   /// The colours of a primitive's vertices: light, times the vertex colour that was there where it is
@@ -172,34 +203,54 @@ class AssetWriter {
     return {channel(product.r, factor.r), channel(product.g, factor.g), channel(product.b, factor.b)};
   }
 
-  /// Marks the materials of lit primitives. A material that others use too is copied for them.
+  /// Marks the materials of lit primitives, those of their variants too: they show the same vertex colours. A
+  /// material that others use too is copied for them.
   void mark_materials(GltfJson& json) {
-    constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
-    const auto material_index = [](const GltfJson& primitive) {
-      const GltfJson& index = member(primitive, "material");
-      return index.is_null() ? none : index.get<std::size_t>();
-    };
-    std::set<std::size_t> used_elsewhere;
-    for (std::size_t m = 0; m < json["meshes"].size(); ++m)
-      for (std::size_t p = 0; p < json["meshes"][m]["primitives"].size(); ++p)
-        if (!lit_.contains({m, p})) used_elsewhere.insert(material_index(json["meshes"][m]["primitives"][p]));
+    if (lit_.empty()) return;
+    if (!json.contains("materials")) json["materials"] = GltfJson::array();  // A key more moves the others.
+    const std::set<std::size_t> used_elsewhere = materials_not_lit(json);
     std::map<std::size_t, std::size_t> marked;
     for (const auto& [m, p] : lit_) {
       GltfJson& primitive = json["meshes"][m]["primitives"][p];
-      const std::size_t index = material_index(primitive);
-      const auto [place, is_new] = marked.try_emplace(index, index);
-      if (is_new) {
-        if (index == none)
-          place->second = append_to(json, "materials", GltfJson::object());
-        else if (used_elsewhere.contains(index))
-          place->second = append_to(json, "materials", GltfJson(json["materials"][index]));
-        GltfJson& extensions = json["materials"][place->second]["extensions"];
-        if (!extensions.empty()) ++n_with_other_extensions_;
-        extensions["KHR_materials_unlit"] = GltfJson::object();
+      const std::vector<GltfJson*> holders = material_holders(primitive);
+      n_with_variants_ += holders.size() > 1;
+      for (GltfJson* holder : holders) {
+        const std::size_t index = material_index(*holder);
+        const auto [place, is_new] = marked.try_emplace(index, index);
+        if (is_new) place->second = mark_material(json, index, used_elsewhere.contains(index));
+        (*holder)["material"] = place->second;
       }
-      json["meshes"][m]["primitives"][p]["material"] = place->second;
     }
-    if (!lit_.empty()) use_extension(json, "KHR_materials_unlit");
+    use_extension(json, "KHR_materials_unlit");
+  }
+
+  static constexpr std::size_t no_material = std::numeric_limits<std::size_t>::max();
+
+  static std::size_t material_index(const GltfJson& holder) {
+    const GltfJson& index = member(holder, "material");
+    return index.is_null() ? no_material : index.get<std::size_t>();
+  }
+
+  std::set<std::size_t> materials_not_lit(const GltfJson& json) const {
+    std::set<std::size_t> used;
+    for (std::size_t m = 0; m < json["meshes"].size(); ++m)
+      for (std::size_t p = 0; p < json["meshes"][m]["primitives"].size(); ++p)
+        if (!lit_.contains({m, p}))
+          for (const GltfJson* holder : material_holders(json["meshes"][m]["primitives"][p]))
+            used.insert(material_index(*holder));
+    return used;
+  }
+
+  /// Marks a material, or a copy of it. @returns its index.
+  std::size_t mark_material(GltfJson& json, std::size_t index, bool is_copied) {
+    if (index == no_material)
+      index = append_to(json, "materials", GltfJson::object());
+    else if (is_copied)
+      index = append_to(json, "materials", GltfJson(json["materials"][index]));
+    GltfJson& extensions = json["materials"][index]["extensions"];
+    if (!extensions.empty()) ++n_with_other_extensions_;
+    extensions["KHR_materials_unlit"] = GltfJson::object();
+    return index;
   }
 
   /// Rewritten primitives are not compressed: where no other is, nothing needs a Draco decoder any more.
@@ -225,6 +276,9 @@ class AssetWriter {
     tell_storage(findings, written_.clipped_vertices, negative_);
     add_finding(findings, "vertex_colors_multiplied", n_multiplied_,
                 "primitive[|s] had vertex colours; the product of colour and light is written");
+    add_finding(findings, "morphed_colors_left_out", n_morphed_,
+                "primitive[ has|s have] morph targets of vertex colours; the light is that of the file's "
+                "weights, and the targets do not change it any more");
     add_finding(findings, "rewritten_primitives", n_rewritten_,
                 "primitive[ has|s have] other vertices than in the file, as corners, cuts or a vertex buffer "
                 "of several primitives need them; [its|their] attributes are written anew");
@@ -234,6 +288,10 @@ class AssetWriter {
     add_finding(findings, "materials_with_other_extensions", n_with_other_extensions_,
                 "material[ has|s have] extensions of [its|their] own beside KHR_materials_unlit, which a "
                 "viewer may prefer");
+    add_finding(
+        findings, "material_variants", n_with_variants_,
+        "primitive[ has|s have] material variants; each of them is unlit now and shows the light that "
+        "was baked for the primitive's own material");
     add_finding(findings, "emission_not_written", emission_lost_,
                 "vert[ex emits|ices emit] light that cannot be put into vertex colours (a texture, or a base "
                 "colour of 0); an "
@@ -251,7 +309,7 @@ class AssetWriter {
   std::vector<std::size_t> mesh_of_node_;
   std::set<std::pair<std::size_t, std::size_t>> lit_;  ///< (mesh, primitive) of the written document.
   std::size_t negative_ = 0, n_multiplied_ = 0, n_rewritten_ = 0, emission_lost_ = 0,
-              n_with_other_extensions_ = 0, n_cut_short_ = 0;
+              n_with_other_extensions_ = 0, n_cut_short_ = 0, n_morphed_ = 0, n_with_variants_ = 0;
 };
 
 /// The .bin beside a new .gltf must not be one that the asset itself is made of, unless the asset is

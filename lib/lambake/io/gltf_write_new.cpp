@@ -83,12 +83,16 @@ class NewAsset {
     if (parts_.empty()) throw InvalidScene("glTF writing: no triangle of finite vertices is left to write");
     for (const Part& part : parts_) {
       GltfJson primitive = write_primitive(document, part);
-      primitive["material"] = write_material(document, scene_.materials[part.material]);
+      primitive["material"] = write_material(document, scene_.materials[part.material], is_blended(part));
       document.json["meshes"][0]["primitives"].push_back(std::move(primitive));
     }
     tell_storage(written_.findings, written_.clipped_vertices, negative_);
     add_finding(written_.findings, "normals_replaced", normals_replaced_,
                 "vert[ex has|ices have] no normal, which glTF forbids; +z is written there");
+    add_finding(written_.findings, "opacities_blended", n_blended_,
+                "vert[ex is|ices are] not opaque; the material is drawn with alphaMode BLEND");
+    add_finding(written_.findings, "opacities_not_shown", n_invisible_,
+                "vert[ex has|ices have] an opacity of 0, as all of the material; it is drawn opaque");
     return std::move(written_);
   }
 
@@ -218,8 +222,23 @@ class NewAsset {
     return append_accessor(document, elements);
   }
 
+  /// Whether the opacities of vertices call for blending. Where all are 0 nothing would be seen: some
+  /// programs write an alpha that they never set.
+  bool is_blended(const Part& part) {
+    if (options_.attribute != "COLOR_0" || mesh_.opacities.empty() ||
+        scene_.materials[part.material].alpha_mode != AlphaMode::opaque)
+      return false;
+    const std::span<const float> opacities = kept_.of_part(mesh_.opacities, part);
+    const auto n_below = static_cast<std::size_t>(
+        std::count_if(opacities.begin(), opacities.end(), [](float opacity) { return opacity < 1; }));
+    const bool is_visible =
+        std::any_of(opacities.begin(), opacities.end(), [](float opacity) { return opacity > 0; });
+    (is_visible ? n_blended_ : n_invisible_) += n_below;
+    return is_visible && n_below > 0;
+  }
+
   /// Base colour and emission are in the vertex colours: only the texture is left to the material.
-  std::size_t write_material(GltfDocument& document, const Material& material) {
+  std::size_t write_material(GltfDocument& document, const Material& material, bool is_blended) {
     GltfJson pbr{{"metallicFactor", 0.0}};
     if (material.base_color_texture != no_texture) {
       const Texture& texture = scene_.textures[material.base_color_texture];
@@ -231,7 +250,7 @@ class NewAsset {
     if (material.is_double_sided) json["doubleSided"] = true;
     if (material.alpha_mode == AlphaMode::mask)
       json["alphaMode"] = "MASK", json["alphaCutoff"] = material.alpha_cutoff;
-    if (material.alpha_mode == AlphaMode::blend) json["alphaMode"] = "BLEND";
+    if (material.alpha_mode == AlphaMode::blend || is_blended) json["alphaMode"] = "BLEND";
     if (options_.mark_unlit) {
       json["extensions"]["KHR_materials_unlit"] = GltfJson::object();
       use_extension(document.json, "KHR_materials_unlit");
@@ -283,7 +302,7 @@ class NewAsset {
   std::vector<Part> parts_;
   KeptArrays kept_;
   WrittenColors written_;
-  std::size_t negative_ = 0, normals_replaced_ = 0;
+  std::size_t negative_ = 0, normals_replaced_ = 0, n_blended_ = 0, n_invisible_ = 0;
   std::vector<std::optional<std::size_t>> texture_of_, image_of_;
 };
 

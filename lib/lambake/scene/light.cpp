@@ -27,9 +27,9 @@ void check_light(const Light& light, const std::string& where) {
   expect(std::isfinite(light.range) && light.range >= 0, "expected a finite range of at least 0 (0 is none)");
   if (light.type == LightType::spot) {
     expect(is_unit(light.spot_direction), "expected a finite direction that is not zero");
-    expect(light.inner_cone_rad >= 0 && light.inner_cone_rad < light.outer_cone_rad &&
-               light.outer_cone_rad <= std::numbers::pi_v<float> / 2 + 1e-6f,
-           "expected cone angles 0 <= inner < outer <= 90 degrees");
+    expect(light.inner_cone_rad >= 0 && light.inner_cone_rad <= light.outer_cone_rad &&
+               light.outer_cone_rad > 0 && light.outer_cone_rad <= std::numbers::pi_v<float> / 2 + 1e-6f,
+           "expected cone angles 0 <= inner <= outer <= 90 degrees with outer above 0");
   }
 }
 

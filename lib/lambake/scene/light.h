@@ -20,8 +20,8 @@ struct Light {
   float decay = 2;                        ///< point, spot: exponent k >= 0 of the falloff 1/d^k.
   float range = 0;                        ///< point, spot: distance where the window reaches 0; 0 is none.
   glm::vec3 spot_direction{0, 0, -1};     ///< spot: unit, the way the light shines.
-  float inner_cone_rad = 0;               ///< spot: half angle of full light; 0 <= inner < outer.
-  float outer_cone_rad = 0.78539816f;     ///< spot: half angle where the light ends; at most π/2.
+  float inner_cone_rad = 0;               ///< spot: half angle of full light; 0 <= inner <= outer.
+  float outer_cone_rad = 0.78539816f;     ///< spot: half angle where the light ends; above 0, at most π/2.
 };
 
 /// Throws InvalidOption if a number is not finite, negative where it may not be, a direction is not a unit
