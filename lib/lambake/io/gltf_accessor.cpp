@@ -11,10 +11,6 @@
 namespace lambake {
 namespace {
 
-std::size_t index_of(int i) {
-  return static_cast<std::size_t>(i);
-}
-
 std::size_t component_bytes(int component_type) {
   switch (component_type) {
     case TINYGLTF_COMPONENT_TYPE_BYTE:

@@ -22,6 +22,11 @@ inline constexpr int byte = 5120, unsigned_byte = 5121, short_ = 5122, unsigned_
 inline constexpr int array_buffer = 34962, element_array_buffer = 34963;
 }  // namespace gltf
 
+/// A number of tinygltf's that has been checked.
+inline std::size_t index_of(int i) {
+  return static_cast<std::size_t>(i);
+}
+
 /// Bytes that are not copied: they have to outlive the document.
 struct LentBytes {
   std::span<const unsigned char> bytes;

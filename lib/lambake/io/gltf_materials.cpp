@@ -14,10 +14,6 @@
 namespace lambake {
 namespace {
 
-std::size_t index_of(int i) {
-  return static_cast<std::size_t>(i);
-}
-
 double number_or(const GltfJson& value, double fallback) {
   return value.is_null() ? fallback : value.get<double>();
 }

@@ -13,10 +13,6 @@
 namespace lambake {
 namespace {
 
-std::size_t index_of(int i) {
-  return static_cast<std::size_t>(i);
-}
-
 glm::dmat4 local_matrix(const tinygltf::Node& node) {
   glm::dmat4 m(1);
   if (node.matrix.size() == 16) {

@@ -13,10 +13,6 @@
 namespace lambake {
 namespace {
 
-std::size_t index_of(int i) {
-  return static_cast<std::size_t>(i);
-}
-
 glm::dvec3 vec3_at(const std::vector<float>& values, std::size_t i) {
   return {values[3 * i], values[3 * i + 1], values[3 * i + 2]};
 }

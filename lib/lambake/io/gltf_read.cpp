@@ -22,10 +22,6 @@
 namespace lambake {
 namespace {
 
-std::size_t index_of(int i) {
-  return static_cast<std::size_t>(i);
-}
-
 /// Appends; the first values, of most files the only ones, are not copied.
 template <typename T>
 void append(std::vector<T>& to, std::vector<T> values) {
