@@ -7,6 +7,7 @@
 #include <ranges>
 
 #include "lambake/core/error.h"
+#include "lambake/io/gltf_document.h"
 
 namespace lambake {
 namespace {
