@@ -87,8 +87,8 @@ inline double longest_of(const Enclosure& length_squared) {
          (1 + 1e-12);
 }
 
-/// Adds one function after the other.
-HWY_INLINE void add_lanes(const EnclosureOf<Lanes>& e, Enclosure& sum) {
+/// Adds the first `n` functions, one after the other.
+HWY_INLINE void add_lanes(const EnclosureOf<Lanes>& e, std::size_t n, Enclosure& sum) {
   HWY_ALIGN double values[8][n_lanes];
   const LaneTag d;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -96,7 +96,7 @@ HWY_INLINE void add_lanes(const EnclosureOf<Lanes>& e, Enclosure& sum) {
     hn::Store(e.quadratic[k].v, d, values[3 + k]);
   }
   hn::Store(e.low.v, d, values[6]), hn::Store(e.high.v, d, values[7]);
-  for (std::size_t i = 0; i < n_lanes; ++i)
+  for (std::size_t i = 0; i < std::min(n, n_lanes); ++i)
     sum = sum + Enclosure{{values[0][i], values[1][i], values[2][i]},
                           {values[3][i], values[4][i], values[5][i]},
                           values[6][i],
@@ -211,7 +211,9 @@ class Bounder {
     std::array<EnclosureOf<Lanes>, 3> sums[size / n_lanes] = {};
     HWY_ALIGN double kinks[size];
     LightSum result;
+    std::size_t n_most = 0;
     for (const LightBlock& block : blocks_) {
+      n_most = std::max(n_most, block.n);
       for (std::size_t i = 0; i < size / n_lanes; ++i) {
         const std::size_t first = i * n_lanes;
         const EnclosureOf<Lanes> r =
@@ -228,9 +230,11 @@ class Bounder {
         if (kinks[i] > result.worst_kink && is_crossed(all_[block.lights[i]], patch))
           result.worst_kink = kinks[i], result.kink_light = block.lights[i];
     }
+    // Behind the fullest block there is no light.
     for (int k = 0; k < n_channels_; ++k)
-      for (std::size_t i = 0; i < size / n_lanes; ++i)
-        add_lanes(sums[i][static_cast<std::size_t>(k)], result.channels[static_cast<std::size_t>(k)]);
+      for (std::size_t i = 0; i < size / n_lanes && i * n_lanes < n_most; ++i)
+        add_lanes(sums[i][static_cast<std::size_t>(k)], n_most - i * n_lanes,
+                  result.channels[static_cast<std::size_t>(k)]);
     return result;
   }
 
