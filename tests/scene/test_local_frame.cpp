@@ -22,7 +22,7 @@ Scene scene_at(const glm::vec3& offset, LightType type) {
 TEST(LocalFrame, NearTheOriginOrUnderSuns_NothingIsMovedOrCopied) {
   for (const Scene& scene : {scene_at({0, 0, 0}, LightType::point), scene_at({30, -8, 4}, LightType::point),
                              scene_at({1 << 20, 0, 0}, LightType::directional),
-                             scene_at({1 << 20, 0, 0}, LightType::directional)}) {
+                             scene_at({-3, 1 << 20, 7}, LightType::directional)}) {
     const LocalFrame local(scene);
     EXPECT_EQ(&local.positions(), &scene.mesh.positions);
     EXPECT_EQ(local.lights().data(), scene.lights.data());

@@ -56,8 +56,7 @@ std::string encode_exr(const Picture& picture, const std::string& name) {
   return encode_with("openexr", ".exr", name, picture, OIIO::TypeDesc::FLOAT, picture.pixels.data());
 }
 
-/// sRGB-encoded integers to linear, by table.
-/// srgb_decode() of 65,536 values.
+/// sRGB-encoded integers of 16 bit to linear.
 std::vector<float> decode_table() {
   std::vector<float> table(65536);
   for (std::size_t i = 0; i < table.size(); ++i)
