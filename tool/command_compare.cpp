@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -247,8 +248,14 @@ int compare_and_write(const CompareCommand& command, const std::string& command_
   for (const auto& [name, options] :
        {std::pair{"lit.glb", command.output}, std::pair{"lit.ply", ply_output}}) {
     const WrittenColors written = write_baked(folder.file(name), loaded.file, baked, options);
-    console.tell(written.findings);
-    for (const Finding& finding : written.findings) comparison.findings.push_back(finding);
+    for (const Finding& finding : written.findings) {
+      const auto is_same = [&](const Finding& f) {
+        return f.count == finding.count && f.text == finding.text;
+      };
+      if (std::any_of(comparison.findings.begin(), comparison.findings.end(), is_same)) continue;  // Of both.
+      console.tell({finding});
+      comparison.findings.push_back(finding);
+    }
     comparison.clipped_vertices = std::max(comparison.clipped_vertices, written.clipped_vertices);
   }
   stopwatch.lap("write");
