@@ -63,6 +63,28 @@ TEST_F(PlyWrite, ColorsAboveOne_AreCounted) {
   baked.colors[3] = {1, 1.01f, 1};
   write_and_read();
   EXPECT_EQ(written.clipped_vertices, 1u);
+  ASSERT_EQ(written.findings.size(), 1u);
+  EXPECT_EQ(written.findings[0].code, "clipped_vertices");
+}
+
+TEST_F(PlyWrite, ColorsBelowZero_AreTold) {
+  baked.colors[3] = {1, -0.01f, 1};
+  write_and_read();
+  ASSERT_EQ(written.findings.size(), 1u);
+  EXPECT_EQ(written.findings[0].code, "negative_vertices");
+}
+
+TEST_F(PlyWrite, OpacityOfTheMaterial_IsInTheAlpha) {
+  scene.materials[0].opacity = 0.5f;
+  const Mesh mesh = write_and_read();
+  ASSERT_EQ(mesh.opacities.size(), 4u);
+  for (std::size_t v = 0; v < 4; ++v)
+    EXPECT_NEAR(mesh.opacities[v], 0.5f * scene.mesh.opacities[v], 1.0f / 255) << v;
+}
+
+TEST_F(PlyWrite, ColorsOfAnotherMesh_AreRefused) {
+  baked.colors.pop_back();
+  EXPECT_THROW(write_ply_file(path, scene, baked, {}), InvalidScene);
 }
 
 TEST_F(PlyWrite, MaterialAndEmission_AreInTheColor) {

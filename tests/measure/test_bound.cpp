@@ -7,6 +7,7 @@
 
 #include "lambake/core/parallel.h"
 #include "lambake/measure/surface_error.h"
+#include "lambake/shading/finish.h"
 #include "scenes.h"
 
 namespace lambake {
@@ -116,6 +117,26 @@ TEST(SurfaceBound, OneAndTwoThreads_GiveTheSameBits) {
   const SurfaceBound one = surface_bound(scene, baked, {});
   set_thread_count(0);
   EXPECT_EQ(one.triangle_bound, surface_bound(scene, baked, {}).triangle_bound);
+}
+
+// A texel is in the range with its own value, however wide the image is and however far out the coordinates.
+TEST(TexelRange, OneBrightTexel_IsTheUpperEnd) {
+  Scene scene = scene_of(grid(1, 1), {sun({0, 1, 0})});
+  Image image{3000, 1, {}};
+  image.pixels.assign(3000, glm::vec4(0.25f, 0.25f, 0.25f, 1));
+  constexpr int bright = 1777;
+  image.pixels[bright] = glm::vec4(1);
+  scene.images = {image};
+  scene.textures.emplace_back();
+  scene.materials[0].base_color_texture = 0;
+  for (const float turns : {0.0f, 1.0f, -1.0f, 31.0f}) {
+    const float u = turns + (bright + 0.5f) / 3000;
+    scene.mesh.texcoords[0].assign(scene.mesh.n_vertices(), glm::vec2(u, 0.5f));
+    scene.mesh.texcoords[0][0].x += 2.0f / 3000;
+    const FinishRange range = Finishes(scene).over(scene.mesh, 0);
+    EXPECT_GE(range.base_high.r, 1) << turns;
+    EXPECT_NEAR(range.base_low.r, 0.25, 1e-5) << turns;
+  }
 }
 
 }  // namespace
