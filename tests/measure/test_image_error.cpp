@@ -124,5 +124,15 @@ TEST(CombineImageErrors, HalvesOfAPicture_AreTheWhole) {
   EXPECT_EQ(both.histogram, whole.histogram);
 }
 
+TEST(CombineErrors, LargestError_IsOfItsViewAndPixel) {
+  ImageError near, far;
+  near.max = 0.25, near.max_x = 3, near.max_y = 4;
+  far.max = 0.5, far.max_x = 7, far.max_y = 1;
+  const ImageError all = combine({near, far, near});
+  EXPECT_EQ(all.max_view, 1U);
+  EXPECT_EQ(all.max_x, 7U);
+  EXPECT_EQ(all.max_y, 1U);
+}
+
 }  // namespace
 }  // namespace lambake

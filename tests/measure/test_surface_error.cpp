@@ -221,5 +221,14 @@ TEST(SurfaceError, OneAndTwoThreads_GiveTheSameBits) {
   EXPECT_EQ(one.triangle_rmse, all.triangle_rmse);
 }
 
+TEST(SurfaceError, WorstPlace_NamesALightOnlyWhereOneReachesIt) {
+  Scene scene = scene_of(grid(1, 1), {sun({0, 1, 0}), sun({0, -1, 0})});
+  BakedColors wrong = bake(scene, {});
+  for (LinearRgb& c : wrong.colors) c = {0.25f, 0.25f, 0.25f};
+  EXPECT_EQ(surface_error(scene, wrong, ErrorSpace::display).worst.at(0).light, 0U);
+  scene.lights.erase(scene.lights.begin());
+  EXPECT_FALSE(surface_error(scene, wrong, ErrorSpace::display).worst.at(0).light);
+}
+
 }  // namespace
 }  // namespace lambake
