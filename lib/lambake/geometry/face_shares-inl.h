@@ -16,7 +16,7 @@
 #include <limits>
 #include <numbers>
 
-#include "lambake/geometry/normals.h"
+#include "lambake/geometry/normal_sums.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace lambake::HWY_NAMESPACE {
@@ -26,13 +26,13 @@ namespace hn = hwy::HWY_NAMESPACE;
 /// Faces at a time: what is between the loops over them stays in the level 1 cache.
 constexpr std::size_t n_in_block = 64;
 
-/// What the faces of a block have at one corner each: x, y, z of the position, later of the weighted normal,
-/// and the weight.
-using Corners = float[4 * n_in_block];
+/// Four numbers for each face of a block.
+using Rows = float[4 * n_in_block];
 
-/// Faces on their way from positions to weighted normals.
+/// Faces on their way from positions to what they add to the sums of their corners.
 struct alignas(64) Block {
-  Corners corners[3];
+  Rows normals;  // Unit normal and 1; times the weight if that is the same at all corners. NaN: see weigh().
+  Rows weights;  // Of the three corners, if they differ; the last is 0.
   float x[n_in_block], y[n_in_block], z[n_in_block];  // Twice the area vector; NaN where there may be none.
   float terms[3][n_in_block];                         // Of each corner's weight. All in units of the window.
   float is_sliver[n_in_block];                        // 0 or 1.
@@ -314,12 +314,13 @@ HWY_INLINE F3 weights_of(const Block& block, std::size_t i, F length) {
   }
 }
 
-/// Weighted normals in the place of the positions; NaN where float will not do.
+/// Fills in the normals and weights. @returns false if there are faces for which float will not do: their
+/// normals are NaN.
 template <NormalWeight weight>
-HWY_INLINE void weigh(Block& block, std::size_t i) {
+HWY_INLINE bool weigh(Block& block, std::size_t i) {
   const Floats f;
   const F3 n = {hn::Load(f, block.x + i), hn::Load(f, block.y + i), hn::Load(f, block.z + i)};
-  const F length = hn::Load(f, block.length + i);
+  const F length = hn::Load(f, block.length + i), one = hn::Set(f, 1.0f);
   const F3 w = weights_of<weight>(block, i, length);
   auto is_sure =
       hn::And(hn::Gt(length, hn::Set(f, least_length)), hn::Lt(length, hn::Set(f, greatest_length)));
@@ -327,20 +328,21 @@ HWY_INLINE void weigh(Block& block, std::size_t i) {
   if constexpr (weight == NormalWeight::max)
     is_sure = hn::And(is_sure, hn::Gt(hn::Min(w.x, hn::Min(w.y, w.z)), hn::Zero(f)));
   const F nan = hn::Set(f, std::numeric_limits<float>::quiet_NaN());
-  const F3 normal = scale(n, hn::IfThenElse(is_sure, hn::Div(hn::Set(f, 1.0f), length), nan));
-  const auto store = [&](F share, int corner)
-                         HWY_ATTR { store_rows(scale(normal, share), share, &block.corners[corner][4 * i]); };
-  store(w.x, 0);
-  if constexpr (!has_one_share(weight)) {
-    store(w.y, 1);
-    store(w.z, 2);
+  const F3 normal = scale(n, hn::IfThenElse(is_sure, hn::Div(one, length), nan));
+  if constexpr (has_one_share(weight)) {
+    store_rows(scale(normal, w.x), w.x, block.normals + 4 * i);
+  } else {
+    store_rows(normal, one, block.normals + 4 * i);
+    store_rows(w, hn::Zero(f), block.weights + 4 * i);
   }
+  return hn::AllTrue(f, is_sure);
 }
 
-/// From positions to weighted normals, for up to a block of faces. In several loops: the machine works on
+/// From positions to normals and weights, for up to a block of faces. In several loops: the machine works on
 /// several faces at a time only where the chains of operations are short.
+/// @returns false if there are faces for which float will not do: their normals are NaN.
 template <NormalWeight weight>
-HWY_INLINE void compute(const glm::vec3* positions, const glm::uvec3* faces, std::size_t n, float per_unit,
+HWY_INLINE bool compute(const glm::vec3* positions, const glm::uvec3* faces, std::size_t n, float per_unit,
                         Block& block) {
   const std::size_t lanes = hn::Lanes(Floats());
   for (std::size_t i = 0; i < n; i += lanes) measure<weight>(positions, faces, block, i, per_unit);
@@ -348,8 +350,46 @@ HWY_INLINE void compute(const glm::vec3* positions, const glm::uvec3* faces, std
   if constexpr (weight == NormalWeight::angle)
     for (float* angles : {block.angles, block.angles + n_in_block})
       for (std::size_t i = 0; i < n; i += lanes) arctangents(angles + i);
-  for (std::size_t i = 0; i < n; i += lanes) weigh<weight>(block, i);
+  bool are_sure = true;
+  for (std::size_t i = 0; i < n; i += lanes) are_sure &= weigh<weight>(block, i);
+  return are_sure;
 }
+
+/// Four numbers in double: those of a sum.
+#if HWY_MAX_BYTES >= 32
+using Four = hn::FixedTag<double, 4>;
+using Row = hn::Vec<Four>;
+
+HWY_INLINE Row load_row(const float* row) {
+  return hn::PromoteTo(Four(), hn::Load(hn::FixedTag<float, 4>(), row));
+}
+template <int corner>
+HWY_INLINE Row times_weight(Row row, Row weights) {
+  const Row pair = corner < 2 ? hn::ConcatLowerLower(Four(), weights, weights)
+                              : hn::ConcatUpperUpper(Four(), weights, weights);
+  return hn::Mul(
+      row, corner == 1 ? hn::InterleaveUpper(Four(), pair, pair) : hn::InterleaveLower(Four(), pair, pair));
+}
+HWY_INLINE void add_row(Row row, NormalSum& sum) {
+  hn::Store(hn::Add(hn::Load(Four(), sum.values), row), Four(), sum.values);
+}
+#else
+struct Row {
+  double values[4];
+};
+
+HWY_INLINE Row load_row(const float* row) {
+  return {{row[0], row[1], row[2], row[3]}};
+}
+template <int corner>
+HWY_INLINE Row times_weight(Row row, const Row& weights) {
+  for (double& value : row.values) value *= weights.values[corner];
+  return row;
+}
+HWY_INLINE void add_row(const Row& row, NormalSum& sum) {
+  for (int k = 0; k < 4; ++k) sum.values[k] += row.values[k];
+}
+#endif
 
 /// Up to a block of faces with copies of their corners' positions, 16 bytes of each of which may be read.
 /// Filled up with the last face.

@@ -106,26 +106,37 @@ void add_all(const glm::vec3* positions, const glm::uvec3* triangles, std::size_
       n_here = select_faces(triangles, n, window, first, selected);
     }
     if (n_here == 0) break;
+    bool are_sure;
     if (has_next && n_here == n_in_block) {
-      compute<weight>(positions, faces, n_here, per_unit, block);
+      are_sure = compute<weight>(positions, faces, n_here, per_unit, block);
     } else {
       copied.copy(positions, faces, n_here);
-      compute<weight>(copied.positions, copied.faces, n_here, per_unit, block);
+      are_sure = compute<weight>(copied.positions, copied.faces, n_here, per_unit, block);
     }
-    for (std::size_t i = 0; i < n_here; ++i) {
-      if (std::isnan(block.corners[0][4 * i])) {
-        add_face_exactly(positions, faces[i], weight, nullptr, window);
-        continue;
+    const auto add = [&](std::uint32_t v, const Row& row) HWY_ATTR {
+      const std::size_t place = std::size_t{is_grouped ? group_of[v] : v} - first_group;
+      if (is_whole || place < n_sums) add_row(row, sums[place]);
+    };
+    const auto add_face = [&](std::size_t i) HWY_ATTR {
+      const glm::uvec3& t = faces[i];
+      const Row normal = load_row(block.normals + 4 * i);
+      if constexpr (has_one_share(weight)) {
+        add(t.x, normal), add(t.y, normal), add(t.z, normal);
+      } else {
+        const Row weights = load_row(block.weights + 4 * i);
+        add(t.x, times_weight<0>(normal, weights));
+        add(t.y, times_weight<1>(normal, weights));
+        add(t.z, times_weight<2>(normal, weights));
       }
-      const std::uint32_t v[] = {faces[i].x, faces[i].y, faces[i].z};
-      for (int c = 0; c < 3; ++c) {
-        const std::size_t place = std::size_t{is_grouped ? group_of[v[c]] : v[c]} - first_group;
-        if (!is_whole && place >= n_sums) continue;
-        double* const sum = sums[place].values;
-        float added[4];
-        std::memcpy(added, &block.corners[has_one_share(weight) ? 0 : c][4 * i], sizeof added);
-        for (int k = 0; k < 4; ++k) sum[k] += double(added[k]);
-      }
+    };
+    if (are_sure) {
+      for (std::size_t i = 0; i < n_here; ++i) add_face(i);
+    } else {
+      for (std::size_t i = 0; i < n_here; ++i)
+        if (std::isnan(block.normals[4 * i]))
+          add_face_exactly(positions, faces[i], weight, nullptr, window);
+        else
+          add_face(i);
     }
   }
 }

@@ -92,7 +92,7 @@ class GroupNormals {
   /// borders, and are computed twice, nor so large that their sums leave the cache. Where neighbours are not
   /// numbered alike, so that most chunks meet most windows, one window for each thread.
   std::size_t window_size() const {
-    constexpr std::size_t least = 16384, greatest = 65536;
+    constexpr std::size_t least = 16384, greatest = 131072;
     const std::size_t size = std::clamp(n_groups_ / (4 * thread_count()), least, greatest);
     std::size_t n_meetings = 0;
     for (const Chunk& chunk : chunks_) n_meetings += chunk.groups.last / size - chunk.groups.first / size + 1;
