@@ -91,16 +91,15 @@ HWY_INLINE LightLanes load_lights(const LightBlock& block, std::size_t first) {
 }
 
 /// Falloff window, as falloff() of lambert.h has it.
-HWY_INLINE EnclosureOf<Lanes> window_over(const LightLanes& light,
-                                          const EnclosureOf<Lanes>& distance_squared) {
+inline EnclosureOf<Lanes> window_over(const LightLanes& light, const EnclosureOf<Lanes>& distance_squared) {
   const Lanes one(1.0);
   const EnclosureOf<Lanes> ratio = scaled(one / (light.range * light.range), distance_squared);
   return positive_part(linear(one, one, one) + negative(ratio * ratio));
 }
 
 /// Cone, as spot_cone() of lambert.h has it; outer − |axis + ω|²/2 in terms of axis·ω.
-HWY_INLINE EnclosureOf<Lanes> cone_over(const LightLanes& light, const Corners<Lanes>& to_light,
-                                        const EnclosureOf<Lanes>& inverse_distance) {
+inline EnclosureOf<Lanes> cone_over(const LightLanes& light, const Corners<Lanes>& to_light,
+                                    const EnclosureOf<Lanes>& inverse_distance) {
   const Lanes one(1.0);
   const VectorOf<Lanes> back{-light.axis.x, -light.axis.y, -light.axis.z};
   const EnclosureOf<Lanes> along = dot(to_light, Corners<Lanes>{{back, back, back}}) * inverse_distance;

@@ -154,6 +154,22 @@ class Bounder {
     return result_;
   }
 
+  /// What the lights give over a part of the patch.
+  LightSum light_over(const Patch& part) const {
+    const Corners<double> normals = corners_of<double>(part.normals);
+    const Enclosure length_squared = dot(normals, normals);
+    const bool has_normal = is_positive(length_squared, range(length_squared));
+    LightSum sum = sum_over(part, has_normal, has_normal ? longest_of(length_squared) : 1);
+    if (has_normal && sum.is_bounded) {
+      const Enclosure inverse_length = power(length_squared, -0.5);
+      for (int k = 0; k < n_channels_; ++k) {
+        Enclosure& e = sum.channels[static_cast<std::size_t>(k)];
+        e = e * inverse_length;
+      }
+    }
+    return sum;
+  }
+
  private:
   bool is_good_enough() const {
     return result_.bound <= options_.accept || result_.found > options_.reject ||
@@ -245,11 +261,7 @@ class Bounder {
     if (finish_.is_unlit) {
       light.fill(linear(1.0, 1.0, 1.0));
     } else {
-      const Corners<double> normals = corners_of<double>(patch.normals);
-      const Enclosure length_squared = dot(normals, normals);
-      const bool has_normal = is_positive(length_squared, range(length_squared));
-      const double longest = has_normal ? longest_of(length_squared) : 1;
-      const LightSum sum = sum_over(patch, has_normal, longest);
+      const LightSum sum = light_over(patch);
       if (!sum.is_bounded) {
         part.bound = infinity;
         part.longest_side = longest_side(patch);
@@ -258,13 +270,6 @@ class Bounder {
       for (int k = 0; k < n_channels_; ++k)
         light[static_cast<std::size_t>(channels_[k])] = sum.channels[static_cast<std::size_t>(k)];
       part.kink_light = sum.kink_light;
-      if (has_normal) {
-        const Enclosure inverse_length = power(length_squared, -0.5);
-        for (int k = 0; k < n_channels_; ++k) {
-          Enclosure& e = light[static_cast<std::size_t>(channels_[k])];
-          e = e * inverse_length;
-        }
-      }
       double widest = 0;
       for (const Enclosure& e : light) widest = std::max(widest, e.high - e.low);
       if (sum.worst_kink < 0.3 * widest) part.kink_light = no_light;
@@ -388,21 +393,11 @@ class Bounder {
 };
 
 Enclosure light_over_of(const Light& light, const Patch& patch) {
+  Light white = light;
+  white.intensity = {1, 1, 1};
   const std::uint32_t index = 0;
-  const LightBlock block = light_blocks({&light, 1}, {&index, 1}).front();
-  const Corners<double> normals = corners_of<double>(patch.normals);
-  const Enclosure length_squared = dot(normals, normals);
-  const bool has_normal = is_positive(length_squared, range(length_squared));
-  const double longest = has_normal ? longest_of(length_squared) : 1;
-  const EnclosureOf<Lanes> r =
-      received_over(block.kind, load_lights(block, 0), corners_of<Lanes>(patch.normals),
-                    corners_of<Lanes>(patch.positions), has_normal, longest);
-  const auto first = [](const Lanes& lanes) HWY_ATTR { return hn::GetLane(lanes.v); };
-  const Enclosure received{{first(r.linear[0]), first(r.linear[1]), first(r.linear[2])},
-                           {first(r.quadratic[0]), first(r.quadratic[1]), first(r.quadratic[2])},
-                           first(r.low),
-                           first(r.high)};
-  return has_normal ? received * power(length_squared, -0.5) : received;
+  const LightSum sum = Bounder(patch, {}, {&white, 1}, {&index, 1}, {}).light_over(patch);
+  return sum.is_bounded ? sum.channels[0] : anything_in<double>({0, infinity});
 }
 
 PatchBound bound_of(const Patch& patch, const FinishRange& finish, std::span<const Light> all,
