@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 #include <random>
 
 #include "lambake/bake/bake.h"
@@ -122,6 +123,39 @@ TEST(LeastSquares, OvershootBelowBlack_IsCounted) {
   ASSERT_FALSE(baked.findings.empty());
   EXPECT_EQ(baked.findings[0].code, "overshoot_below_0");
   EXPECT_EQ(baked.findings[0].count, n_below);
+}
+
+/// A disc around a corner, of two rings, cut into sectors whose widths span `decades` powers of ten.
+Mesh disc_of_sectors(double decades) {
+  constexpr std::uint32_t n = 400;
+  std::mt19937 engine(1);
+  std::vector<double> begins{0};
+  for (std::uint32_t i = 0; i < n; ++i)
+    begins.push_back(begins.back() + std::pow(10, -decades * static_cast<double>(engine()) / 4294967296.0));
+  Mesh mesh;
+  mesh.positions.emplace_back(0.0f, 0.5f, 0.0f);
+  for (const auto& [radius, height] : {std::pair{1.0, 0.2}, std::pair{1.2, 0.0}})
+    for (std::uint32_t i = 0; i < n; ++i) {
+      const double angle = 2 * std::numbers::pi * begins[i] / begins.back();
+      mesh.positions.emplace_back(radius * std::cos(angle), height, -radius * std::sin(angle));
+    }
+  for (std::uint32_t i = 0; i < n; ++i) {
+    const std::uint32_t a = 1 + i, b = 1 + (i + 1) % n;
+    mesh.triangles.insert(mesh.triangles.end(), {{0, a, b}, {a, a + n, b + n}, {a, b + n, b}});
+  }
+  return mesh;
+}
+
+TEST(LeastSquares, SliversThatKeepItFromItsEnd_AreTold) {
+  const auto n_unsettled = [](double decades) {
+    const Scene scene = scene_of(disc_of_sectors(decades), {lamp({0.5f, 1, 0.5f})});
+    for (const Finding& finding : bake(scene, {.method = BakeMethod::least_squares}).findings)
+      if (finding.code == "least_squares_unsettled") return finding.count;
+    return std::size_t{0};
+  };
+  EXPECT_EQ(n_unsettled(1), 0U);
+  EXPECT_GT(n_unsettled(4), 0U);
+  EXPECT_GT(n_unsettled(5), 0U);
 }
 
 TEST(LeastSquares, DefectsAndUnlitFaces_DoNotBreakIt) {
