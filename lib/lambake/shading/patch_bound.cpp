@@ -53,6 +53,9 @@ struct Part {
 
 constexpr std::uint32_t no_light = ~0U;
 
+/// Where the base colour spans texels, their range is taken in steps of this ratio.
+constexpr double base_step = 1.25;
+
 /// max S(F) − S(G) over G >= low_g, F <= high_f, F >= low_f, F − G <= e, S the curve of the screen. S is
 /// concave from 0 on, so the smallest G is the worst; below 0 it is flat. At its joint it jumps by 3e-8.
 double screen_gap(double low_f, double high_f, double low_g, double high_g, double e) {
@@ -115,6 +118,9 @@ class Bounder {
         options_(options) {
     const glm::dmat3& a = patch.albedos;
     has_albedo_ = a[0] != a[1] || a[1] != a[2];
+    has_texels_ = finish.base_low != finish.base_high;
+    // Of the slope of the screen's curve between the ends of a step.
+    if (has_texels_ && options.space == ErrorSpace::display) looseness_ = std::pow(base_step, 1 - 1 / 2.4);
     for (int c = 0; c < 3; ++c) {
       bool is_new = true;
       for (int i = 0; i < n_channels_; ++i) is_new &= !is_same_channel(c, channels_[i]);
@@ -171,9 +177,11 @@ class Bounder {
   }
 
  private:
+  /// Where the base colour spans texels, the bound holds for all of them, and comes no lower than what a
+  /// sample shows with the worst.
   bool is_good_enough() const {
-    return result_.bound <= options_.accept || result_.found > options_.reject ||
-           result_.bound <= options_.tightness * result_.found + 1e-7;
+    return result_.bound <= options_.accept || least_bound_ > options_.reject ||
+           result_.bound <= options_.tightness * looseness_ * least_bound_ + 1e-7;
   }
 
   /// Whether what is seen in channel a is what is seen in channel b, so that one of them is enough.
@@ -209,15 +217,27 @@ class Bounder {
     for (int i = 0; i < n_channels_; ++i) {
       // Found is found with any finish within its range.
       const int c = channels_[i];
-      const double base = finish_.base_low[c], emission = finish_.emission_low[c];
-      double e = base * std::abs(f[c] - g[c]);
-      if (options_.space == ErrorSpace::display) {
-        if (steepest_from(emission + base * std::min(f[c], g[c])) * e <= result_.found) continue;
-        e = std::abs(compared(emission + base * f[c], options_.space) -
-                     compared(emission + base * g[c], options_.space));
-      }
+      const double e = error_at(f[c], g[c], finish_.base_low[c], finish_.emission_low[c], result_.found);
       if (e > result_.found) result_.found = e, result_.found_at = b;
+      least_bound_ = std::max(least_bound_, result_.found);
+      if (!has_texels_) continue;
+      // The worst is the brightest, but on a screen no brighter than it goes.
+      const double emission = finish_.emission_low[c], most = finish_.base_high[c];
+      const double base =
+          options_.space == ErrorSpace::linear
+              ? most
+              : std::clamp((1 - emission) / std::max({f[c], g[c], 1e-300}), finish_.base_low[c], most);
+      least_bound_ = std::max(least_bound_, error_at(f[c], g[c], base, emission, least_bound_));
     }
+  }
+
+  /// |F − G| with a finish; anything from 0 to `known` if it is no larger than that.
+  double error_at(double f, double g, double base, double emission, double known) const {
+    const double e = base * std::abs(f - g);
+    if (options_.space == ErrorSpace::linear) return e;
+    if (steepest_from(emission + base * std::min(f, g)) * e <= known) return 0;
+    return std::abs(compared(emission + base * f, options_.space) -
+                    compared(emission + base * g, options_.space));
   }
 
   /// The sum of the lights over a part of the patch: ‖N‖ times what it receives, with `has_normal`.
@@ -309,7 +329,7 @@ class Bounder {
   /// The bound in channel c. One base colour holds for F and G: where it spans a texture's texels and that
   /// matters, it is taken in steps.
   double bound_of(int c, Interval f, Interval e, const Patch& patch) const {
-    constexpr double step = 1.25, darkest = 1.0 / 256;
+    constexpr double step = base_step, darkest = 1.0 / 256;
     const double least = finish_.base_low[c], most = finish_.base_high[c];
     double bound = bound_of(c, f, e, patch, least, most);
     if (bound <= options_.accept || !(most > step * least) || options_.space == ErrorSpace::linear)
@@ -387,7 +407,8 @@ class Bounder {
   std::span<const std::uint32_t> lights_;
   std::vector<LightBlock> blocks_;
   const BoundOptions& options_;
-  bool has_albedo_ = false;
+  bool has_albedo_ = false, has_texels_ = false;
+  double least_bound_ = 0, looseness_ = 1;
   int channels_[3] = {}, n_channels_ = 0;  ///< Those that differ from each other.
   PatchBound result_;
 };
