@@ -29,6 +29,13 @@ std::string fill_slots(std::string_view text,
   }
 }
 
+std::string columns(std::initializer_list<std::string_view> names, std::string_view attributes) {
+  std::string html = "<thead><tr>";
+  for (const std::string_view& name : names)
+    html += fmt::format("<th scope=\"col\"{}>{}</th>", &name == names.begin() ? "" : attributes, name);
+  return html + "</tr></thead>\n<tbody>\n";
+}
+
 }  // namespace
 
 std::string page_frame(const std::string& title, const std::string& header, const std::string& main) {
@@ -42,8 +49,7 @@ std::string page_frame(const std::string& title, const std::string& header, cons
 }
 
 std::string made_section(const std::string& command, const std::string& version, const std::string& time) {
-  std::string html =
-      "<section aria-labelledby=\"made\">\n<h2 id=\"made\">How this was made</h2>\n<dl class=\"made\">\n";
+  std::string html = section_begin("made", "How this was made") + "<dl class=\"made\">\n";
   const auto row = [&](const char* name, const std::string& value) {
     html += fmt::format("<dt>{}</dt><dd>{}</dd>\n", name, value);
   };
@@ -51,6 +57,31 @@ std::string made_section(const std::string& command, const std::string& version,
   row("Version", "lambake " + escape_html(version));
   if (!time.empty()) row("Time", time);
   return html + "</dl>\n</section>\n";
+}
+
+std::string section_begin(std::string_view id, std::string_view heading) {
+  return fmt::format("<section aria-labelledby=\"{0}\">\n<h2 id=\"{0}\">{1}</h2>\n", id, heading);
+}
+
+std::string number_columns(std::initializer_list<std::string_view> names) {
+  return columns(names, " class=\"n\"");
+}
+
+std::string text_columns(std::initializer_list<std::string_view> names) {
+  return columns(names, "");
+}
+
+std::string row_begin(std::string_view label, std::string_view name) {
+  return fmt::format("<tr><th scope=\"row\" data-label=\"{}\">{}</th>", label, name);
+}
+
+std::string number_cell(std::string_view label, std::string_view number) {
+  return fmt::format("<td class=\"n\" data-label=\"{}\">{}</td>", label, number);
+}
+
+std::string bar_cell(double percent, std::string_view text) {
+  return fmt::format("<td><span class=\"share\"><i style=\"width:{:.2f}%\"></i></span>{}</td>", percent,
+                     text);
 }
 
 std::string count_of(std::size_t n, const char* singular, const char* plural) {
