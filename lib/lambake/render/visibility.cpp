@@ -100,10 +100,6 @@ class VisibilityPass {
   void draw_with_masks(const ScreenTriangles& screen, std::span<const std::uint32_t> entries,
                        Tile& tile) const;
   bool is_opaque_at(std::uint32_t triangle, std::uint32_t x, std::uint32_t y) const;
-  RayHit hit(std::uint32_t triangle, const PixelRay& ray) const {
-    const glm::uvec3& t = mesh_.triangles[triangle];
-    return hit_triangle(ray, mesh_.positions[t[0]], mesh_.positions[t[1]], mesh_.positions[t[2]]);
-  }
 
   const Scene& scene_;
   const Mesh& mesh_;
@@ -229,8 +225,10 @@ void VisibilityPass::draw_with_masks(const ScreenTriangles& screen, std::span<co
 
 bool VisibilityPass::is_opaque_at(std::uint32_t triangle, std::uint32_t x, std::uint32_t y) const {
   const Material& material = scene_.materials[mesh_.material_of(triangle)];
-  const glm::vec2 b(hit(triangle, screen_.view.pixel_ray(x, y)).barycentrics);
   const glm::uvec3& t = mesh_.triangles[triangle];
+  const glm::vec2 b(hit_triangle(screen_.view.pixel_ray(x, y), mesh_.positions[t[0]], mesh_.positions[t[1]],
+                                 mesh_.positions[t[2]])
+                        .barycentrics);
   const auto interpolated = [&](const auto& values) {
     return values[t[0]] + b.x * (values[t[1]] - values[t[0]]) + b.y * (values[t[2]] - values[t[0]]);
   };
