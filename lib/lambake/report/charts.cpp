@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <glm/glm.hpp>
 #include <iterator>
 #include <limits>
 #include <numeric>
 #include <string_view>
+#include <utility>
 
 #include "lambake/report/page_assets.h"
 #include "lambake/report/text.h"
@@ -96,26 +96,20 @@ std::vector<double> ticks_of(const Scale& scale, std::size_t most) {
 }
 
 std::string mark_path(std::size_t kind, double x, double y) {
-  const double r = mark_radius;
-  switch (kind % n_kinds) {
-    case 0:
-      return fmt::format("M{:.1f} {:.1f}a{r} {r} 0 1 0 {d} 0a{r} {r} 0 1 0 -{d} 0z", x - r, y,
-                         fmt::arg("r", r), fmt::arg("d", 2 * r));
-    case 1:
-      return fmt::format("M{:.1f} {:.1f}h9v9h-9z", x - 4.5, y - 4.5);
-    case 2:
-      return fmt::format("M{:.1f} {:.1f}l6 10h-12z", x, y - 6);
-    case 3:
-      return fmt::format("M{:.1f} {:.1f}l6 6l-6 6l-6 -6z", x, y - 6);
-    case 4:
-      return fmt::format("M{:.1f} {:.1f}l-6 -10h12z", x, y + 6);
-    case 5:
-      return fmt::format("M{:.1f} {:.1f}h4v4h4v4h-4v4h-4v-4h-4v-4h4z", x - 2, y - 6);
-    case 6:
-      return fmt::format("M{:.1f} {:.1f}l6 4.4l-2.3 7h-7.4l-2.3 -7z", x, y - 6);
-    default:
-      return fmt::format("M{:.1f} {:.1f}h12v5h-12z", x - 6, y - 2.5);
-  }
+  struct Mark {
+    double x, y;  ///< Where the outline begins, from the middle.
+    const char* outline;
+  };
+  constexpr Mark marks[n_kinds] = {{-5, 0, "a5 5 0 1 0 10 0a5 5 0 1 0 -10 0z"},
+                                   {-4.5, -4.5, "h9v9h-9z"},
+                                   {0, -6, "l6 10h-12z"},
+                                   {0, -6, "l6 6l-6 6l-6 -6z"},
+                                   {0, 6, "l-6 -10h12z"},
+                                   {-2, -6, "h4v4h4v4h-4v4h-4v-4h-4v-4h4z"},
+                                   {0, -6, "l6 4.4l-2.3 7h-7.4l-2.3 -7z"},
+                                   {-6, -2.5, "h12v5h-12z"}};
+  const Mark& mark = marks[kind % n_kinds];
+  return fmt::format("M{:.1f} {:.1f}{}", x + mark.x, y + mark.y, mark.outline);
 }
 
 bool has_spread(const ChartPoint& p) {
@@ -220,14 +214,130 @@ class ChartDrawing {
         at.anchor, escape_html(text));
   }
 
-  void begin(bool is_standalone);
-  double draw_legend();
-  void place_plot(double legend_bottom);
-  void draw_axes();
-  void draw_guides();
-  void draw_front();
-  void draw_series();
-  void draw_labels();
+  void begin(bool is_standalone) {
+    const std::string size =
+        is_standalone ? fmt::format(" width=\"{}\" height=\"{}\"", width_, height_) : std::string();
+    add("<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"chart\" viewBox=\"0 0 {0} {1}\"{2} role=\"img\" "
+        "aria-labelledby=\"{3}-title\">\n<title id=\"{3}-title\">{4}</title>\n",
+        width_, height_, size, chart_.id, escape_html(chart_.title));
+    if (is_standalone)
+      add("<style>\n{}</style>\n<rect class=\"paper\" width=\"{}\" height=\"{}\"/>\n", page_assets::chart_css,
+          width_, height_);
+  }
+
+  /// As many lines as it needs; returns where the last one stands.
+  double draw_legend() {
+    double x = 12, y = 18;
+    for (std::size_t kind = 0; kind < chart_.series.size(); ++kind) {
+      const std::string& name = chart_.series[kind].name;
+      const double w = 20 + width_of(name);
+      if (x + w > width_ && x > 12) x = 12, y += 20;
+      add("<path class=\"mark kind-{}\" d=\"{}\"/><text x=\"{:.1f}\" y=\"{:.1f}\">{}</text>\n",
+          kind % n_kinds, mark_path(kind, x + 6, y - 4.5), x + 17, y, escape_html(name));
+      x += w + 14;
+    }
+    return y;
+  }
+
+  void place_plot(double legend_bottom) {
+    std::vector<double> xs, ys;
+    for (const ChartPoint& p : points_) {
+      xs.insert(xs.end(), {p.x, p.x_low, p.x_high});
+      ys.push_back(p.y);
+      if (!(p.y > 0)) zero_strip_ = 30;
+    }
+    for (const ChartGuide& g : chart_.guides) {
+      xs.insert(xs.end(), {g.x0, g.x1});
+      ys.insert(ys.end(), {g.y0, g.y1});
+    }
+    plot_ = {64, legend_bottom + 42, width_ - 30, height_ - 50};
+    x_scale_ = scale_over(xs, plot_.x0, plot_.x1);
+    y_scale_ = scale_over(ys, plot_.y1 - zero_strip_, plot_.y0);
+    for (const ChartPoint& p : points_) {
+      const double x = x_scale_(p.x), y = y_at(p.y), r = p.is_emphasised ? 12 : mark_radius + 2;
+      marks_.push_back({std::min(x - r, has_spread(p) ? x_scale_(p.x_low) : x), y - r,
+                        std::max(x + r, has_spread(p) ? x_scale_(p.x_high) : x), y + r});
+    }
+    taken_ = marks_;
+  }
+
+  void draw_axes() {
+    add("<text class=\"axis-name\" x=\"4\" y=\"{:.1f}\">{}</text>\n", plot_.y0 - 14,
+        escape_html(chart_.y.label));
+    add("<text class=\"axis-name\" x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"end\">{}</text>\n", plot_.x1,
+        height_ - 8, escape_html(chart_.x.label));
+    const auto draw_row = [&](const char* css_class, double y, double text_y, const std::string& text) {
+      add("<path class=\"{}\" d=\"M{} {:.1f}H{}\"/><text x=\"{}\" y=\"{:.1f}\" "
+          "text-anchor=\"end\">{}</text>\n",
+          css_class, plot_.x0, y, plot_.x1, plot_.x0 - 7, text_y, text);
+    };
+    for (const double tick : ticks_of(y_scale_, 9))
+      draw_row("axis", y_scale_(tick), y_scale_(tick) + 4.5, escape_html(chart_.y.format(tick)));
+    if (zero_strip_ > 0) draw_row("axis zero", y_at(0), y_at(0) + 4.5, "0");
+    for (const double tick : ticks_of(x_scale_, static_cast<std::size_t>((plot_.x1 - plot_.x0) / 62)))
+      add("<path class=\"axis\" d=\"M{x:.1f} {}V{}\"/><text x=\"{x:.1f}\" y=\"{}\" "
+          "text-anchor=\"middle\">{}</text>\n",
+          plot_.y0, plot_.y1, plot_.y1 + 18, escape_html(chart_.x.format(tick)),
+          fmt::arg("x", x_scale_(tick)));
+  }
+
+  void draw_guides() {
+    for (const ChartGuide& g : chart_.guides) {
+      const double x0 = x_scale_(g.x0), y0 = y_scale_(g.y0), x1 = x_scale_(g.x1), y1 = y_scale_(g.y1);
+      add("<path class=\"guide\" d=\"M{:.1f} {:.1f}L{:.1f} {:.1f}\"/>\n", x0, y0, x1, y1);
+      draw_text("guide-name", place({x1, y1, x1, y1}, g.label), g.label);
+    }
+  }
+
+  void draw_front() {
+    if (front_.size() < 2) return;
+    std::string path;
+    for (const std::size_t i : front_)
+      path += fmt::format("{}{:.1f} {:.1f}", path.empty() ? 'M' : 'L', x_scale_(points_[i].x),
+                          y_at(points_[i].y));
+    add("<path class=\"front\" d=\"{}\"/>\n", path);
+  }
+
+  void draw_series() {
+    std::size_t index = 0;
+    for (std::size_t kind = 0; kind < chart_.series.size(); ++kind) {
+      const ChartSeries& series = chart_.series[kind];
+      std::string path, marks;
+      for (const ChartPoint& p : series.points) {
+        const double x = x_scale_(p.x), y = y_at(p.y);
+        path += fmt::format("{}{:.1f} {:.1f}", path.empty() ? 'M' : 'L', x, y);
+        if (has_spread(p))
+          marks += fmt::format("<path class=\"spread kind-{}\" d=\"M{:.1f} {:.1f}H{:.1f}\"/>\n",
+                               kind % n_kinds, x_scale_(p.x_low), y, x_scale_(p.x_high));
+        if (p.is_emphasised)
+          marks += fmt::format("<circle class=\"ring\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"11\"/>\n", x, y);
+        const bool is_hollow = chart_.has_front && !is_on_front(index);
+        marks += fmt::format("<path class=\"mark kind-{}{}\" d=\"{}\"/>\n", kind % n_kinds,
+                             is_hollow ? " hollow" : "", mark_path(kind, x, y));
+        ++index;
+      }
+      if (series.is_line && series.points.size() > 1)
+        add("<path class=\"line kind-{}\" d=\"{}\"/>\n", kind % n_kinds, path);
+      svg_ += marks;
+    }
+  }
+
+  void draw_labels() {
+    // Those of the front first: they get the best places.
+    std::vector<std::size_t> order = front_;
+    for (std::size_t i = 0; i < points_.size(); ++i)
+      if (!is_on_front(i)) order.push_back(i);
+    for (const std::size_t i : order) {
+      const ChartPoint& p = points_[i];
+      if (p.label.empty()) continue;
+      const Placed at = place(marks_[i], p.label);
+      const double x = x_scale_(p.x), y = y_at(p.y);
+      if (at.is_far)
+        add("<path class=\"leader\" d=\"M{:.1f} {:.1f}L{:.1f} {:.1f}\"/>\n", x, y,
+            std::clamp(x, at.box.x0, at.box.x1), std::clamp(y, at.box.y0, at.box.y1));
+      draw_text("label", at, p.label);
+    }
+  }
 
   const Chart& chart_;
   double width_, height_;
@@ -240,129 +350,6 @@ class ChartDrawing {
   std::vector<Box> taken_;  ///< Where no text may stand.
   std::string svg_;
 };
-
-void ChartDrawing::begin(bool is_standalone) {
-  const std::string size =
-      is_standalone ? fmt::format(" width=\"{}\" height=\"{}\"", width_, height_) : std::string();
-  add("<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"chart\" viewBox=\"0 0 {0} {1}\"{2} role=\"img\" "
-      "aria-labelledby=\"{3}-title\">\n<title id=\"{3}-title\">{4}</title>\n",
-      width_, height_, size, chart_.id, escape_html(chart_.title));
-  if (is_standalone)
-    add("<style>\n{}</style>\n<rect class=\"paper\" width=\"{}\" height=\"{}\"/>\n", page_assets::chart_css,
-        width_, height_);
-}
-
-/// As many lines as it needs; returns where the last one stands.
-double ChartDrawing::draw_legend() {
-  double x = 12, y = 18;
-  for (std::size_t kind = 0; kind < chart_.series.size(); ++kind) {
-    const std::string& name = chart_.series[kind].name;
-    const double w = 20 + width_of(name);
-    if (x + w > width_ && x > 12) x = 12, y += 20;
-    add("<path class=\"mark kind-{}\" d=\"{}\"/><text x=\"{:.1f}\" y=\"{:.1f}\">{}</text>\n", kind % n_kinds,
-        mark_path(kind, x + 6, y - 4.5), x + 17, y, escape_html(name));
-    x += w + 14;
-  }
-  return y;
-}
-
-void ChartDrawing::place_plot(double legend_bottom) {
-  std::vector<double> xs, ys;
-  for (const ChartPoint& p : points_) {
-    xs.insert(xs.end(), {p.x, p.x_low, p.x_high});
-    ys.push_back(p.y);
-    if (!(p.y > 0)) zero_strip_ = 30;
-  }
-  for (const ChartGuide& g : chart_.guides) {
-    xs.insert(xs.end(), {g.x0, g.x1});
-    ys.insert(ys.end(), {g.y0, g.y1});
-  }
-  plot_ = {64, legend_bottom + 42, width_ - 30, height_ - 50};
-  x_scale_ = scale_over(xs, plot_.x0, plot_.x1);
-  y_scale_ = scale_over(ys, plot_.y1 - zero_strip_, plot_.y0);
-  for (const ChartPoint& p : points_) {
-    const double x = x_scale_(p.x), y = y_at(p.y), r = p.is_emphasised ? 12 : mark_radius + 2;
-    marks_.push_back({std::min(x - r, has_spread(p) ? x_scale_(p.x_low) : x), y - r,
-                      std::max(x + r, has_spread(p) ? x_scale_(p.x_high) : x), y + r});
-  }
-  taken_ = marks_;
-}
-
-void ChartDrawing::draw_axes() {
-  add("<text class=\"axis-name\" x=\"4\" y=\"{:.1f}\">{}</text>\n", plot_.y0 - 14,
-      escape_html(chart_.y.label));
-  add("<text class=\"axis-name\" x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"end\">{}</text>\n", plot_.x1,
-      height_ - 8, escape_html(chart_.x.label));
-  const auto draw_row = [&](const char* css_class, double y, double text_y, const std::string& text) {
-    add("<path class=\"{}\" d=\"M{} {:.1f}H{}\"/><text x=\"{}\" y=\"{:.1f}\" text-anchor=\"end\">{}</text>\n",
-        css_class, plot_.x0, y, plot_.x1, plot_.x0 - 7, text_y, text);
-  };
-  for (const double tick : ticks_of(y_scale_, 9))
-    draw_row("axis", y_scale_(tick), y_scale_(tick) + 4.5, escape_html(chart_.y.format(tick)));
-  if (zero_strip_ > 0) draw_row("axis zero", y_at(0), y_at(0) + 4.5, "0");
-  for (const double tick : ticks_of(x_scale_, static_cast<std::size_t>((plot_.x1 - plot_.x0) / 62)))
-    add("<path class=\"axis\" d=\"M{x:.1f} {}V{}\"/><text x=\"{x:.1f}\" y=\"{}\" "
-        "text-anchor=\"middle\">{}</text>\n",
-        plot_.y0, plot_.y1, plot_.y1 + 18, escape_html(chart_.x.format(tick)), fmt::arg("x", x_scale_(tick)));
-}
-
-void ChartDrawing::draw_guides() {
-  for (const ChartGuide& g : chart_.guides) {
-    const double x0 = x_scale_(g.x0), y0 = y_scale_(g.y0), x1 = x_scale_(g.x1), y1 = y_scale_(g.y1);
-    add("<path class=\"guide\" d=\"M{:.1f} {:.1f}L{:.1f} {:.1f}\"/>\n", x0, y0, x1, y1);
-    draw_text("guide-name", place({x1, y1, x1, y1}, g.label), g.label);
-  }
-}
-
-void ChartDrawing::draw_front() {
-  if (front_.size() < 2) return;
-  std::string path;
-  for (const std::size_t i : front_)
-    path +=
-        fmt::format("{}{:.1f} {:.1f}", path.empty() ? 'M' : 'L', x_scale_(points_[i].x), y_at(points_[i].y));
-  add("<path class=\"front\" d=\"{}\"/>\n", path);
-}
-
-void ChartDrawing::draw_series() {
-  std::size_t index = 0;
-  for (std::size_t kind = 0; kind < chart_.series.size(); ++kind) {
-    const ChartSeries& series = chart_.series[kind];
-    std::string path, marks;
-    for (const ChartPoint& p : series.points) {
-      const double x = x_scale_(p.x), y = y_at(p.y);
-      path += fmt::format("{}{:.1f} {:.1f}", path.empty() ? 'M' : 'L', x, y);
-      if (has_spread(p))
-        marks += fmt::format("<path class=\"spread kind-{}\" d=\"M{:.1f} {:.1f}H{:.1f}\"/>\n", kind % n_kinds,
-                             x_scale_(p.x_low), y, x_scale_(p.x_high));
-      if (p.is_emphasised)
-        marks += fmt::format("<circle class=\"ring\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"11\"/>\n", x, y);
-      const bool is_hollow = chart_.has_front && !is_on_front(index);
-      marks += fmt::format("<path class=\"mark kind-{}{}\" d=\"{}\"/>\n", kind % n_kinds,
-                           is_hollow ? " hollow" : "", mark_path(kind, x, y));
-      ++index;
-    }
-    if (series.is_line && series.points.size() > 1)
-      add("<path class=\"line kind-{}\" d=\"{}\"/>\n", kind % n_kinds, path);
-    svg_ += marks;
-  }
-}
-
-void ChartDrawing::draw_labels() {
-  // Those of the front first: they get the best places.
-  std::vector<std::size_t> order = front_;
-  for (std::size_t i = 0; i < points_.size(); ++i)
-    if (!is_on_front(i)) order.push_back(i);
-  for (const std::size_t i : order) {
-    const ChartPoint& p = points_[i];
-    if (p.label.empty()) continue;
-    const Placed at = place(marks_[i], p.label);
-    const double x = x_scale_(p.x), y = y_at(p.y);
-    if (at.is_far)
-      add("<path class=\"leader\" d=\"M{:.1f} {:.1f}L{:.1f} {:.1f}\"/>\n", x, y,
-          std::clamp(x, at.box.x0, at.box.x1), std::clamp(y, at.box.y0, at.box.y1));
-    draw_text("label", at, p.label);
-  }
-}
 
 }  // namespace
 
