@@ -160,28 +160,18 @@ Placed place_label(const Box& mark, std::string_view text, const Box& plot, cons
   return best;
 }
 
-/// The Pareto front of the series that take part, as indices into the points of all series.
-std::vector<std::size_t> front_of(const Chart& chart) {
-  std::vector<ChartPoint> compared;
-  std::vector<std::size_t> indices, front;
-  std::size_t index = 0;
-  for (const ChartSeries& series : chart.series)
-    for (const ChartPoint& p : series.points) {
-      if (series.is_compared) compared.push_back(p), indices.push_back(index);
-      ++index;
-    }
-  for (const std::size_t i : pareto_front(compared)) front.push_back(indices[i]);
-  return front;
-}
-
 /// A chart while it is drawn, from the back to the front.
 class ChartDrawing {
  public:
   ChartDrawing(const Chart& chart, double width, double height)
       : chart_(chart), width_(width), height_(height) {
+    std::vector<ChartPoint> compared;  // As good as nothing where the series takes no part.
     for (const ChartSeries& series : chart.series)
-      points_.insert(points_.end(), series.points.begin(), series.points.end());
-    if (chart.has_front) front_ = front_of(chart);
+      for (const ChartPoint& p : series.points) {
+        points_.push_back(p);
+        compared.push_back({p.x, series.is_compared ? p.y : std::numeric_limits<double>::infinity()});
+      }
+    if (chart.has_front) front_ = pareto_front(compared);
   }
 
   std::string svg(bool is_standalone) {
