@@ -103,12 +103,9 @@ std::optional<ChartPoint> crossing(const ChartRun& run) {
     const auto between = [t](double u, double v) {
       return std::exp((1 - t) * std::log(u) + t * std::log(v));
     };
-    return ChartPoint{between(static_cast<double>(a.n_lights), static_cast<double>(b.n_lights)),
-                      between(a.per_vertex.median, b.per_vertex.median),
-                      0,
-                      0,
-                      "",
-                      true};
+    return ChartPoint{.x = between(static_cast<double>(a.n_lights), static_cast<double>(b.n_lights)),
+                      .y = between(a.per_vertex.median, b.per_vertex.median),
+                      .is_emphasised = true};
   }
   return std::nullopt;
 }
@@ -158,40 +155,42 @@ std::string chart_section(const Chart& chart, const std::string& text) {
                      section_begin(chart.id, escape_html(chart.title)), responsive_chart_svg(chart), text);
 }
 
-std::string timing_cell(std::string_view label, const Timing& t) {
+std::string timing_cell(const Timing& t) {
   const std::string repeats =
       t.repeats == 1 ? "run once"
                      : fmt::format("{} to {}, {} repeats", duration(t.low), duration(t.high), t.repeats);
-  return number_cell(label, fmt::format("{}<small>{}</small>", duration(t.median), repeats));
+  return fmt::format("{}<small>{}</small>", duration(t.median), repeats);
 }
 
 std::string methods_section(const ChartRun& run) {
-  std::string html = section_begin("methods", "The methods in numbers") +
-                     "<table class=\"table stacked\">\n" +
-                     number_columns({"Method", "Vertices", "Bytes", "One thread", "All threads", "RMSE",
-                                     "Largest found", "Certified"});
+  std::vector<std::vector<std::string>> rows;
   for (const MethodRun& m : run.methods)
-    html += row_begin("Method", escape_html(m.label())) + number_cell("Vertices", grouped(m.n_vertices)) +
-            number_cell("Bytes", grouped(m.bytes)) + timing_cell("One thread", m.one_thread) +
-            timing_cell("All threads", m.all_threads) + number_cell("RMSE", steps_of_255(m.rmse)) +
-            number_cell("Largest found", steps_of_255(m.max_sampled)) +
-            number_cell("Certified", bound_of_255(m.max_bound)) + "</tr>\n";
-  return html + "</tbody>\n</table>\n</section>\n";
+    rows.push_back({escape_html(m.label()), grouped(m.n_vertices), grouped(m.bytes),
+                    timing_cell(m.one_thread), timing_cell(m.all_threads), steps_of_255(m.rmse),
+                    steps_of_255(m.max_sampled), bound_of_255(m.max_bound)});
+  return section_begin("methods", "The methods in numbers") +
+         stacked_table({"Method", "Vertices", "Bytes", "One thread", "All threads", "RMSE", "Largest found",
+                        "Certified"},
+                       CellKind::number, rows) +
+         "</section>\n";
 }
 
 std::string frames_section(const ChartRun& run) {
   if (run.frames.empty()) return {};
-  std::string html = section_begin("frames", "A picture, drawn both ways") +
-                     "<table class=\"table stacked\">\n" +
-                     number_columns({"Size", "Lit pixels", "Per vertex, one thread", "all threads",
-                                     "Per pixel, one thread", "all threads"});
+  std::vector<std::vector<std::string>> rows;
   for (const FrameRun& f : run.frames)
-    html += row_begin("Size", size_of(f)) + number_cell("Lit pixels", grouped(f.n_covered)) +
-            timing_cell("Per vertex, one thread", f.per_vertex_one_thread) +
-            timing_cell("Per vertex, all threads", f.per_vertex) +
-            timing_cell("Per pixel, one thread", f.per_fragment_one_thread) +
-            timing_cell("Per pixel, all threads", f.per_fragment) + "</tr>\n";
-  return html + "</tbody>\n</table>\n</section>\n";
+    rows.push_back({size_of(f), grouped(f.n_covered), timing_cell(f.per_vertex_one_thread),
+                    timing_cell(f.per_vertex), timing_cell(f.per_fragment_one_thread),
+                    timing_cell(f.per_fragment)});
+  return section_begin("frames", "A picture, drawn both ways") +
+         stacked_table({"Size",
+                        "Lit pixels",
+                        "Per vertex, one thread",
+                        {"all threads", "Per vertex, all threads"},
+                        "Per pixel, one thread",
+                        {"all threads", "Per pixel, all threads"}},
+                       CellKind::number, rows) +
+         "</section>\n";
 }
 
 }  // namespace
@@ -307,10 +306,8 @@ Chart vertices_chart(const ChartRun& run) {
 std::string chart_page(const ChartRun& run) {
   constexpr const char* how_to_read =
       "Left is faster, lower is closer to light per pixel. Filled marks are on the front: nothing else "
-      "measured "
-      "is both faster and closer. The bars are the quartiles of the repeats. At 0: what a picture costs that "
-      "is "
-      "lit per pixel.";
+      "measured is both faster and closer. The bars are the quartiles of the repeats. At 0: what a picture "
+      "costs that is lit per pixel.";
   std::string main = chart_section(speed_chart(run), how_to_read);
   main += chart_section(
       bound_chart(run),

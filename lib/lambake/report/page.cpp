@@ -94,7 +94,7 @@ std::string numbers_table(const std::string& caption, const ImageError& image, c
                           const std::optional<double>& max_bound, std::string (*show)(double),
                           std::string (*show_bound)(double)) {
   std::string html = fmt::format("<table class=\"table\">\n<caption>{}</caption>\n{}", caption,
-                                 number_columns({"Measure", "picture", "surface"}));
+                                 table_head({"Measure", "picture", "surface"}, CellKind::number));
   const auto row = [&](const char* name, const char* meaning, const std::string& in_picture,
                        const std::string& on_surface) {
     html += fmt::format(
@@ -115,9 +115,8 @@ std::string numbers_table(const std::string& caption, const ImageError& image, c
 std::string numbers_section(const Comparison& c) {
   return fmt::format(
       "{}<p class=\"soft\">The picture shows what one camera sees ({}); the surface is measured by area, "
-      "from no "
-      "camera and with hidden places included. 0 is black, 1 is white.</p>\n"
-      "<div class=\"columns\">\n{}{}</div>\n</section>\n",
+      "from no camera and with hidden places included. 0 is black, 1 is white.</p>\n<div "
+      "class=\"columns\">\n{}{}</div>\n</section>\n",
       section_begin("numbers", "The numbers"),
       c.n_views == 1 ? std::string("one view") : fmt::format("{} views taken together", c.n_views),
       numbers_table("On screen: sRGB-encoded, clamped to 0…1; what the eye gets", c.image_display,
@@ -132,7 +131,8 @@ std::string shares_section(const Comparison& c) {
       std::max({c.shares.interpolation, c.shares.clipping.value_or(0), c.shares.quantisation.value_or(0)});
   if (!(largest > 0)) return {};
   std::string html = section_begin("steps", "What makes the difference") +
-                     "<table class=\"table lights\">\n" + text_columns({"Step", "its own RMSE, linear"});
+                     "<table class=\"table lights\">\n" +
+                     table_head({"Step", "its own RMSE, linear"}, CellKind::text);
   using Share = std::tuple<const char*, const char*, std::optional<double>>;
   for (const auto& [name, meaning, value] :
        {Share{"Interpolation",
@@ -155,17 +155,15 @@ std::string trials_section(const Comparison& c) {
   std::string html = section_begin("trials", "The methods that were tried");
   if (c.tolerance_space == ErrorSpace::linear)
     html += "<p>Differences of linear values, as the tolerance is meant.</p>\n";
-  html += "<table class=\"table stacked\">\n" +
-          number_columns({"Method", "Vertices", "Bytes", "Time", "RMSE", "Largest found", "Certified"});
+  std::vector<std::vector<std::string>> rows;
   for (const MethodTrial& t : c.trials)
-    html += row_begin("Method", name_of(t.method)) + number_cell("Vertices", grouped(t.n_vertices)) +
-            number_cell("Bytes", grouped(t.bytes)) + number_cell("Time", duration(t.seconds)) +
-            number_cell("RMSE", steps_of_255(t.rmse)) +
-            number_cell("Largest found", steps_of_255(t.max_found)) +
-            number_cell("Certified",
-                        bound_of_255(t.max_bound) + (t.is_certified ? "; within the tolerance" : "")) +
-            "</tr>\n";
-  return html + "</tbody>\n</table>\n</section>\n";
+    rows.push_back({name_of(t.method), grouped(t.n_vertices), grouped(t.bytes), duration(t.seconds),
+                    steps_of_255(t.rmse), steps_of_255(t.max_found),
+                    bound_of_255(t.max_bound) + (t.is_certified ? "; within the tolerance" : "")});
+  return html +
+         stacked_table({"Method", "Vertices", "Bytes", "Time", "RMSE", "Largest found", "Certified"},
+                       CellKind::number, rows) +
+         "</section>\n";
 }
 
 std::string worst_section(const Comparison& c) {
@@ -176,14 +174,7 @@ std::string worst_section(const Comparison& c) {
     const auto number = [&](double x) { return short_number(std::abs(x) < 1e-9 * glm::length(v) ? 0 : x); };
     return fmt::format("{}, {}, {}", number(v.x), number(v.y), number(v.z));
   };
-  std::string html =
-      section_begin("worst", "The worst places on the surface") +
-      "<p class=\"soft\">Of all of it, also what no picture shows. Faces are counted from 0, barycentrics "
-      "are of "
-      "the first one's corners. <code>surface_error.ply</code> beside this page has each triangle in the "
-      "colour "
-      "of its worst place, on the scale of the map above.</p>\n<table class=\"table stacked\">\n" +
-      text_columns({"Off by", "Face", "Barycentrics", "Position", "Light that causes most of it"});
+  std::vector<std::vector<std::string>> rows;
   for (std::size_t i = 0; i < worst.size(); ++i) {
     const SurfacePlace& place = worst[i];
     // The faces on both sides of an edge meet the same place.
@@ -194,14 +185,18 @@ std::string worst_section(const Comparison& c) {
     std::string faces = grouped(place.source_face);
     for (std::size_t j = i + 1; j < worst.size(); ++j)
       if (is_here(worst[j])) faces += ", " + grouped(worst[j].source_face);
-    html += fmt::format(
-        "{}<td data-label=\"Face\">{}</td><td data-label=\"Barycentrics\">{}</td>"
-        "<td data-label=\"Position\">{}</td><td data-label=\"Light\">{}</td></tr>\n",
-        row_begin("Off by", steps_of_255(place.error)), faces, vector(place.barycentrics),
-        vector(place.position),
-        place.light && *place.light < c.light_names.size() ? escape_html(c.light_names[*place.light]) : "–");
+    const bool is_named = place.light && *place.light < c.light_names.size();
+    rows.push_back({steps_of_255(place.error), faces, vector(place.barycentrics), vector(place.position),
+                    is_named ? escape_html(c.light_names[*place.light]) : "–"});
   }
-  return html + "</tbody>\n</table>\n</section>\n";
+  return section_begin("worst", "The worst places on the surface") +
+         "<p class=\"soft\">Of all of it, also what no picture shows. Faces are counted from 0, barycentrics "
+         "are of the first one's corners. <code>surface_error.ply</code> beside this page has each triangle "
+         "in the colour of its worst place, on the scale of the map above.</p>\n" +
+         stacked_table(
+             {"Off by", "Face", "Barycentrics", "Position", {"Light that causes most of it", "Light"}},
+             CellKind::text, rows) +
+         "</section>\n";
 }
 
 /// The lights that matter most, with bars: their share of the light and of the interpolation error.
@@ -216,7 +211,8 @@ std::string lights_section(const Comparison& c) {
 
   std::string html =
       section_begin("lights", "Each light's share") + "<table class=\"table lights\">\n" +
-      text_columns({"Light", "of the light on the surface", "of the error that interpolating makes"});
+      table_head({"Light", "of the light on the surface", "of the error that interpolating makes"},
+                 CellKind::text);
   const auto row = [&](const std::string& name, const LightShare& share) {
     html += fmt::format("<tr><th scope=\"row\">{}</th>{}{}</tr>\n", name,
                         bar_cell(100 * share.light, percent(share.light)),

@@ -29,13 +29,6 @@ std::string fill_slots(std::string_view text,
   }
 }
 
-std::string columns(std::initializer_list<std::string_view> names, std::string_view attributes) {
-  std::string html = "<thead><tr>";
-  for (const std::string_view& name : names)
-    html += fmt::format("<th scope=\"col\"{}>{}</th>", &name == names.begin() ? "" : attributes, name);
-  return html + "</tr></thead>\n<tbody>\n";
-}
-
 }  // namespace
 
 std::string page_frame(const std::string& title, const std::string& header, const std::string& main) {
@@ -63,20 +56,26 @@ std::string section_begin(std::string_view id, std::string_view heading) {
   return fmt::format("<section aria-labelledby=\"{0}\">\n<h2 id=\"{0}\">{1}</h2>\n", id, heading);
 }
 
-std::string number_columns(std::initializer_list<std::string_view> names) {
-  return columns(names, " class=\"n\"");
+std::string table_head(std::initializer_list<Column> columns, CellKind kind) {
+  std::string html = "<thead><tr>";
+  for (const Column& column : columns)
+    html += fmt::format("<th scope=\"col\"{}>{}</th>",
+                        kind == CellKind::number && &column != columns.begin() ? " class=\"n\"" : "",
+                        column.head);
+  return html + "</tr></thead>\n<tbody>\n";
 }
 
-std::string text_columns(std::initializer_list<std::string_view> names) {
-  return columns(names, "");
-}
-
-std::string row_begin(std::string_view label, std::string_view name) {
-  return fmt::format("<tr><th scope=\"row\" data-label=\"{}\">{}</th>", label, name);
-}
-
-std::string number_cell(std::string_view label, std::string_view number) {
-  return fmt::format("<td class=\"n\" data-label=\"{}\">{}</td>", label, number);
+std::string stacked_table(std::initializer_list<Column> columns, CellKind kind,
+                          const std::vector<std::vector<std::string>>& rows) {
+  std::string html = "<table class=\"table stacked\">\n" + table_head(columns, kind);
+  for (const std::vector<std::string>& row : rows) {
+    html += fmt::format("<tr><th scope=\"row\" data-label=\"{}\">{}</th>", columns.begin()->label, row[0]);
+    for (std::size_t c = 1; c < row.size(); ++c)
+      html += fmt::format("<td{} data-label=\"{}\">{}</td>", kind == CellKind::number ? " class=\"n\"" : "",
+                          columns.begin()[c].label, row[c]);
+    html += "</tr>\n";
+  }
+  return html + "</tbody>\n</table>\n";
 }
 
 std::string bar_cell(double percent, std::string_view text) {

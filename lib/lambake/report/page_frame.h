@@ -4,6 +4,7 @@
 #include <initializer_list>
 #include <string>
 #include <string_view>
+#include <vector>
 
 /// What the pages have in common. Internal to the folder.
 namespace lambake {
@@ -17,15 +18,23 @@ std::string made_section(const std::string& command, const std::string& version,
 /// A section up to its heading (HTML), which names it.
 std::string section_begin(std::string_view id, std::string_view heading);
 
-/// The head of a table and the beginning of its body. The first column names the rows; the others hold
-/// numbers, or text.
-std::string number_columns(std::initializer_list<std::string_view> names);
-std::string text_columns(std::initializer_list<std::string_view> names);
+/// A column of a table.
+struct Column {
+  std::string_view head, label;  ///< The label stands beside each cell where a narrow window stacks them.
 
-/// Cells (HTML) of a table of the class "stacked": narrow windows show the label beside each. The first one
-/// begins a row and names it.
-std::string row_begin(std::string_view label, std::string_view name);
-std::string number_cell(std::string_view label, std::string_view number);
+  Column(const char* text) : head(text), label(text) {}
+  Column(const char* h, const char* l) : head(h), label(l) {}
+};
+enum class CellKind { text, number };
+
+/// The head of a table and the beginning of its body; the first column names the rows, the others are of a
+/// kind.
+std::string table_head(std::initializer_list<Column> columns, CellKind kind);
+
+/// A table that narrow windows stack.
+/// @param rows  as many cells (HTML) in each as there are columns.
+std::string stacked_table(std::initializer_list<Column> columns, CellKind kind,
+                          const std::vector<std::vector<std::string>>& rows);
 
 /// A cell with a bar, `percent` of the width long, and a text.
 std::string bar_cell(double percent, std::string_view text);
