@@ -71,8 +71,8 @@ Light parse_lamp(const std::string& text) {
   return light;
 }
 
-void add_lights(const SceneOptions& options, LoadedScene& loaded) {
-  std::vector<Light>& lights = loaded.file.scene.lights;
+/// @param notes  takes what people should know: a default taken.
+void add_lights(const SceneOptions& options, std::vector<Light>& lights, std::vector<std::string>& notes) {
   if (!options.lights_file.empty())
     for (const Light& light : read_light_file(options.lights_file)) lights.push_back(light);
   for (const std::string& sun : options.suns) lights.push_back(parse_sun(sun));
@@ -80,10 +80,9 @@ void add_lights(const SceneOptions& options, LoadedScene& loaded) {
   const bool was_asked = !options.lights_file.empty() || options.no_file_lights;
   if (lights.empty() && !was_asked) {
     lights.push_back(parse_sun("0.4,1,0.3"));
-    loaded.notes.push_back(
-        "no light given: one white sun from 0.4,1,0.3 (choose with --sun, --lamp or --lights)");
+    notes.push_back("no light given: one white sun from 0.4,1,0.3 (choose with --sun, --lamp or --lights)");
   }
-  if (lights.empty()) loaded.notes.push_back("no light at all: only emission and unlit materials show");
+  if (lights.empty()) notes.push_back("no light at all: only emission and unlit materials show");
   std::map<std::string, std::size_t> counts;
   for (Light& light : lights) {
     const char* kind = light.type == LightType::directional ? "sun"
@@ -277,13 +276,14 @@ void add_camera_options(CLI::App& command, CameraOptions& options) {
 LoadedScene load_scene(const SceneOptions& options, Console& console, Stopwatch& stopwatch) {
   set_thread_count(options.threads);
   LoadedScene loaded;
+  std::vector<std::string> notes;  // Told once nothing can fail any more.
   console.stage("reading");
   loaded.file = read_scene_file(options.input, {options.gltf_scene, !options.no_file_lights});
   stopwatch.lap("read");
   if (!options.gltf_scene.empty() && loaded.file.asset == nullptr)
-    loaded.notes.push_back(fmt::format("--scene says nothing to {}; it is for glTF", loaded.file.format));
+    notes.push_back(fmt::format("--scene says nothing to {}; it is for glTF", loaded.file.format));
   console.stage("normals");
-  add_lights(options, loaded);
+  add_lights(options, loaded.file.scene.lights, notes);
   apply_albedo(options.albedo, loaded.file);
   fold_base_colors(loaded.file);
   apply_exposure(options.exposure_stops, loaded.file.scene);
@@ -293,8 +293,8 @@ LoadedScene load_scene(const SceneOptions& options, Console& console, Stopwatch&
   std::size_t n_lit = 0;
   for (std::size_t f = 0; f < scene.mesh.n_triangles(); ++f)
     n_lit += !scene.materials[scene.mesh.material_of(f)].is_unlit;
-  if (n_lit == 0) loaded.notes.push_back("every material is unlit: colours stay as they are, nothing is lit");
-  for (const std::string& note : loaded.notes) console.note(note);
+  if (n_lit == 0) notes.push_back("every material is unlit: colours stay as they are, nothing is lit");
+  for (const std::string& note : notes) console.note(note);
   console.tell(loaded.file.findings);
   return loaded;
 }

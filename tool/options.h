@@ -48,7 +48,6 @@ void add_camera_options(CLI::App& command, CameraOptions& options);
 struct LoadedScene {
   SceneFile file;
   std::string normals;  ///< What the vertex normals are, e.g. "file", "angle, creases at 30 degrees".
-  std::vector<std::string> notes;  ///< For people: defaults taken, units converted.
 };
 
 /// Laps "read" and "normals" on the stopwatch; notes and findings are told on the console.
