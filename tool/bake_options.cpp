@@ -118,7 +118,6 @@ void add_bake_options(CLI::App& command, BakeMethodOptions& options) {
 }
 
 BakeOptions bake_options(const BakeMethodOptions& options, Console& console) {
-  if (!std::isfinite(options.max_seconds)) throw InvalidOption("--max-seconds: expected a finite number");
   if (std::isnan(options.light_tolerance)) throw InvalidOption("--light-tolerance: expected a number");
   BakeOptions result;
   result.method = method_named(options.method);

@@ -2,10 +2,9 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdint>
-#include <string>
-
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "console.h"

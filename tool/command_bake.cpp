@@ -1,16 +1,13 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "bake_options.h"
 #include "commands.h"
-#include "lambake/core/error.h"
+#include "lambake/core/digits.h"
 #include "lambake/io/file_extension.h"
-#include "lambake/io/gltf.h"
-#include "lambake/io/ply_write.h"
 #include "lambake/report/json_parts.h"
 #include "options.h"
 
@@ -23,6 +20,19 @@ struct BakeCommand {
   OutputOptions output;
   std::vector<std::string> outputs;
 };
+
+/// What is certified, and for auto what was chosen.
+void print_verdict(const BakeCommand& command, const BakedScene& result) {
+  if (result.selection)
+    print_result("{}\n", result.selection->sentence);
+  else if (const std::optional<Certificate>& c = result.baked.certificate)
+    print_result("{}{}: {} from per-pixel lighting anywhere\n",
+                 command.outputs.size() > 1 ? command.outputs.front() + ", " : "",
+                 c->is_certified ? "certified" : "not certified",
+                 std::isfinite(c->max_bound)
+                     ? fmt::format("at most {}/255", upper_bound_text(c->max_bound * 255))
+                     : "no bound to how far it is");
+}
 
 int bake_and_write(const BakeCommand& command) {
   Console console(command.scene.quiet);
@@ -41,7 +51,7 @@ int bake_and_write(const BakeCommand& command) {
   console.stage("writing");
   nlohmann::ordered_json json;
   const Mesh& mesh = mesh_of(loaded.file.scene, baked);
-  json["input"] = std::filesystem::path(command.scene.input).filename().string();
+  json["input"] = input_name(command.scene);
   json["format"] = loaded.file.format;
   json["method"] = command.method.method;
   json["normals"] = loaded.normals;
@@ -66,7 +76,7 @@ int bake_and_write(const BakeCommand& command) {
                                {"bytes", baked_bytes(path)},
                                {"clipped_vertices", written.clipped_vertices},
                                {"findings", findings_json(written.findings)}});
-    if (!command.scene.json && !command.scene.quiet) {
+    if (command.scene.tells_people()) {
       console.clear_bar();
       print_result("{}: {} {}, {} {}, {} bytes\n", path, group_digits(mesh.n_vertices()),
                    in_number(mesh.n_vertices(), "vert[ex|ices]"), group_digits(mesh.n_triangles()),
@@ -75,16 +85,7 @@ int bake_and_write(const BakeCommand& command) {
   }
   stopwatch.lap("write");
   console.clear_bar();
-  if (!command.scene.json && !command.scene.quiet) {
-    if (result.selection) print_result("{}\n", result.selection->sentence);
-    if (const std::optional<Certificate>& c = baked.certificate; c && !result.selection)
-      print_result("{}{}: {} from per-pixel lighting anywhere\n",
-                   command.outputs.size() > 1 ? command.outputs.front() + ", " : "",
-                   c->is_certified ? "certified" : "not certified",
-                   std::isfinite(c->max_bound)
-                       ? fmt::format("at most {}/255", upper_bound_text(c->max_bound * 255))
-                       : "no bound to how far it is");
-  }
+  if (command.scene.tells_people()) print_verdict(command, result);
   json["findings"] = findings_json(findings);
   json["seconds"] = seconds_json(stopwatch.seconds());
   if (command.scene.json) print_result("{}\n", json_text(json));

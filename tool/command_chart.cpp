@@ -7,7 +7,6 @@
 #include "lambake/core/digits.h"
 #include "lambake/core/version.h"
 #include "lambake/io/gltf.h"
-#include "lambake/io/output_file.h"
 #include "lambake/io/output_folder.h"
 #include "lambake/report/chart_report.h"
 #include "options.h"
@@ -23,12 +22,6 @@ struct ChartCommand {
   double budget_seconds = 60;
 };
 
-void write_text(const std::string& path, const std::string& text) {
-  OutputFile file(path);
-  file.write(text);
-  file.commit();
-}
-
 int chart_and_write(const ChartCommand& command, const std::string& command_line) {
   Console console(command.scene.quiet);
   Stopwatch stopwatch;
@@ -42,7 +35,7 @@ int chart_and_write(const ChartCommand& command, const std::string& command_line
                  .camera = choose_camera(command.camera, loaded.file.scene, {16, 9}),
                  .output = [&](ColorStorage color) { return gltf_output(loaded.file, {.color = color}); },
                  .progress = console.progress()});
-  run.input = std::filesystem::path(command.scene.input).filename().string();
+  run.input = input_name(command.scene);
   run.command = command_line;
   run.version = version();
   console.clear_bar();

@@ -5,13 +5,14 @@
 #include <filesystem>
 #include <memory>
 #include <system_error>
+#include <utility>
 
 #include "bake_options.h"
 #include "commands.h"
+#include "lambake/core/digits.h"
 #include "lambake/core/error.h"
 #include "lambake/core/version.h"
 #include "lambake/io/image_file.h"
-#include "lambake/io/output_file.h"
 #include "lambake/io/output_folder.h"
 #include "lambake/io/ply_write.h"
 #include "lambake/measure/bound.h"
@@ -24,6 +25,7 @@
 #include "lambake/render/shade.h"
 #include "lambake/report/report.h"
 #include "options.h"
+#include "thresholds.h"
 
 namespace lambake::tool {
 namespace {
@@ -37,60 +39,6 @@ struct CompareCommand {
   std::size_t n_views = 1;
   std::vector<std::string> thresholds;  ///< "METRIC=VALUE".
 };
-
-struct Threshold {
-  std::string metric;  ///< Dotted path into report.json; without dots, in image.display if it is there.
-  double value = 0;
-};
-
-Threshold parse_threshold(const std::string& text) {
-  const std::size_t equals = text.find('=');
-  if (equals == std::string::npos || equals == 0)
-    throw InvalidOption(fmt::format("--fail-above: expected METRIC=VALUE, found \"{}\"", text));
-  return {text.substr(0, equals), parse_quotient("--fail-above", text.substr(equals + 1))};
-}
-
-/// The number that a path names, or null if there is none.
-const nlohmann::ordered_json* find_number(const nlohmann::ordered_json& report, std::string path) {
-  std::replace(path.begin(), path.end(), '.', '/');
-  const nlohmann::ordered_json::json_pointer pointer("/" + path);
-  if (!report.contains(pointer)) return nullptr;
-  const auto& value = report[pointer];
-  return value.is_number() || value.is_null() ? &value : nullptr;
-}
-
-/// Errors on screen lie in [0,1]: a larger threshold was meant in steps of 1/255.
-bool is_error_on_screen(const std::string& metric) {
-  for (const char* of : {"image.display.", "surface.display."})
-    for (const char* name : {"rmse", "mae", "mean", "max", "p99", "max_sampled", "max_bound"})
-      if (metric == std::string(of) + name) return true;
-  return false;
-}
-
-[[noreturn]] void fail_without(const std::string& metric) {
-  throw InvalidOption(fmt::format("--fail-above: report.json has no number \"{}\"", metric));
-}
-
-/// Makes metrics whole paths; throws InvalidOption if no report can have such a number. Before any work.
-void resolve_metrics(std::vector<Threshold>& thresholds) {
-  Comparison all;  // With what only some reports have.
-  all.max_bound_linear = all.max_bound_display = 0;
-  all.surface_display.worst.resize(1);
-  all.light_shares.resize(1);
-  all.trials.resize(1);
-  const auto report = nlohmann::ordered_json::parse(report_json(all));
-  for (Threshold& threshold : thresholds) {
-    const std::string on_screen = "image.display." + threshold.metric;
-    if (threshold.metric.find('.') == std::string::npos && find_number(report, on_screen) != nullptr)
-      threshold.metric = on_screen;
-    if (find_number(report, threshold.metric) == nullptr) fail_without(threshold.metric);
-    if (threshold.value > 1 && is_error_on_screen(threshold.metric))
-      throw InvalidOption(
-          fmt::format("--fail-above {}: expected a value of at most 1, where the brightest is 1, found {} "
-                      "(in steps: {}/255)",
-                      threshold.metric, threshold.value, threshold.value));
-  }
-}
 
 /// Both pictures of every view and their errors; those of the first view stay for the report.
 void compare_views(const CompareCommand& command, const Scene& scene, const BakedColors& baked,
@@ -126,33 +74,6 @@ void compare_views(const CompareCommand& command, const Scene& scene, const Bake
   if (comparison.image_display.pixels == 0) console.note("the picture shows nothing of the model");
 }
 
-/// Says what was exceeded; the exit code.
-int check_thresholds(const std::vector<Threshold>& thresholds, const nlohmann::ordered_json& report) {
-  int exit_code = 0;
-  for (const Threshold& threshold : thresholds) {
-    const auto* const value = find_number(report, threshold.metric);
-    if (value == nullptr) fail_without(threshold.metric);
-    const bool is_of_picture = threshold.metric.starts_with("image.");
-    if (is_of_picture && report["image"]["display"]["pixels"] == 0) {
-      print_error(fmt::format("lambake: {} has no value, as the picture shows nothing of the model\n",
-                              threshold.metric));
-      exit_code = 1;
-      continue;
-    }
-    const double found = value->is_null() ? INFINITY : value->get<double>();  // JSON has no infinity: null.
-    if (!(found > threshold.value)) continue;
-    print_error(fmt::format("lambake: {} is {}, above {}\n", threshold.metric, found, threshold.value));
-    exit_code = 1;
-  }
-  return exit_code;
-}
-
-void write_text(const std::string& path, const std::string& text) {
-  OutputFile file(path);
-  file.write(text);
-  file.commit();
-}
-
 /// The mesh that carries the colours, each triangle in the colour of its worst difference.
 void write_surface_error(const std::string& path, const Mesh& mesh, const SurfaceError& error, double scale) {
   std::vector<float> steps = error.triangle_worst;
@@ -164,12 +85,8 @@ void write_surface_error(const std::string& path, const Mesh& mesh, const Surfac
                   scale * 255));
 }
 
-int compare_and_write(const CompareCommand& command, const std::string& command_line) {
-  Console console(command.scene.quiet);
-  Stopwatch stopwatch;
-  std::vector<Threshold> thresholds;
-  for (const std::string& text : command.thresholds) thresholds.push_back(parse_threshold(text));
-  resolve_metrics(thresholds);
+/// What would fail only once the work is done.
+void check_outputs(const CompareCommand& command) {
   check_output_folder(command.folder);
   for (const char* name : {"lit.glb", "lit.ply", "surface_error.ply"}) {
     std::error_code ignored;  // Of a file that is not there yet.
@@ -179,36 +96,40 @@ int compare_and_write(const CompareCommand& command, const std::string& command_
   }
   picture_size(command.camera);
   check_baked_path("lit.glb", command.output);
-  const BakeOptions how = bake_options(command.method, console);
+}
 
-  LoadedScene loaded = load_scene(command.scene, console, stopwatch);
+/// What a comparison says before anything is compared.
+Comparison describe(const CompareCommand& command, const std::string& command_line, const LoadedScene& loaded,
+                    const BakedScene& result) {
   const Scene& scene = loaded.file.scene;
-  console.stage("baking");
-  const ColorOutput output = output_of("lit.glb", loaded.file, command.output);
-  BakedScene result = bake_scene(scene, command.method, how, console, output);
-  BakedColors& baked = result.baked;
-  const bool tells_gaps = baked.certificate || result.selection;
-  if (!tells_gaps) baked.findings.insert(baked.findings.end(), output.gaps.begin(), output.gaps.end());
-  console.tell(baked.findings);
-  stopwatch.lap("bake");
-
+  const Mesh& mesh = mesh_of(scene, result.baked);
   Comparison comparison;
-  comparison.input = std::filesystem::path(command.scene.input).filename().string();
+  comparison.input = input_name(command.scene);
   comparison.command = command_line;
   comparison.version = version();
   comparison.method = command.method.method;
   comparison.normals = loaded.normals;
-  comparison.n_vertices = mesh_of(scene, baked).n_vertices();
-  comparison.n_triangles = mesh_of(scene, baked).n_triangles();
+  comparison.n_vertices = mesh.n_vertices();
+  comparison.n_triangles = mesh.n_triangles();
   comparison.n_lights = scene.lights.size();
   comparison.n_scene_vertices = scene.mesh.n_vertices();
   comparison.n_scene_triangles = scene.mesh.n_triangles();
   for (const Light& light : scene.lights) comparison.light_names.push_back(light.name);
   comparison.light_shares = light_shares(scene);
   comparison.findings = loaded.file.findings;
-  comparison.findings.insert(comparison.findings.end(), baked.findings.begin(), baked.findings.end());
-  // What is compared is what the GLB holds.
-  const std::vector<LinearRgb> computed = baked.colors;
+  comparison.findings.insert(comparison.findings.end(), result.baked.findings.begin(),
+                             result.baked.findings.end());
+  if (result.selection) {
+    comparison.verdict = result.selection->sentence;
+    comparison.trials = result.selection->trials;
+  }
+  return comparison;
+}
+
+/// The errors of the colours as `output` holds them; `baked` comes back as it was.
+void measure(const CompareCommand& command, const Scene& scene, const ColorOutput& output, BakedColors& baked,
+             Console& console, Stopwatch& stopwatch, Comparison& comparison) {
+  std::vector<LinearRgb> computed = baked.colors;
   take_stored_colors(scene, output, baked);
   compare_views(command, scene, baked, console, comparison);
   stopwatch.lap("pictures");
@@ -225,39 +146,77 @@ int compare_and_write(const CompareCommand& command, const std::string& command_
   comparison.max_bound_linear = bound_in(ErrorSpace::linear, comparison.surface_linear);
   comparison.max_bound_display = bound_in(ErrorSpace::display, comparison.surface_display);
   stopwatch.lap("bound");
-  if (result.selection) {
-    comparison.verdict = result.selection->sentence;
-    comparison.tolerance_space = how.tolerance_space;
-    comparison.trials = result.selection->trials;
-  }
-  baked.colors = computed;
+  baked.colors = std::move(computed);
   comparison.shares = error_shares(scene, baked, output, errors.computed_rmse);
+}
 
-  console.stage("writing");
-  OutputFolder folder(command.folder);
-  write_picture(folder.file("per_vertex.png"), comparison.per_vertex);
-  write_picture(folder.file("per_fragment.png"), comparison.per_fragment);
-  write_picture(folder.file("per_vertex.exr"), comparison.per_vertex);
-  write_picture(folder.file("per_fragment.exr"), comparison.per_fragment);
-  const double scale = heat_map_scale(comparison.per_vertex, comparison.per_fragment, comparison.visibility);
-  write_picture(folder.file("difference.png"),
-                heat_map(comparison.per_vertex, comparison.per_fragment, comparison.visibility, scale));
-  write_surface_error(folder.file("surface_error.ply"), mesh_of(scene, baked), comparison.surface_display,
-                      scale);
+void write_pictures(const OutputFolder& folder, const Mesh& mesh, const Comparison& c) {
+  write_picture(folder.file("per_vertex.png"), c.per_vertex);
+  write_picture(folder.file("per_fragment.png"), c.per_fragment);
+  write_picture(folder.file("per_vertex.exr"), c.per_vertex);
+  write_picture(folder.file("per_fragment.exr"), c.per_fragment);
+  const double scale = heat_map_scale(c.per_vertex, c.per_fragment, c.visibility);
+  write_picture(folder.file("difference.png"), heat_map(c.per_vertex, c.per_fragment, c.visibility, scale));
+  write_surface_error(folder.file("surface_error.ply"), mesh, c.surface_display, scale);
+}
+
+/// The lit meshes; what is noticed of both is told once.
+void write_meshes(const OutputFolder& folder, const CompareCommand& command, const SceneFile& file,
+                  const BakedColors& baked, Console& console, Comparison& comparison) {
   const OutputOptions ply_output = {.color = command.output.color == "u16" ? "" : command.output.color};
-  for (const auto& [name, options] :
-       {std::pair{"lit.glb", command.output}, std::pair{"lit.ply", ply_output}}) {
-    const WrittenColors written = write_baked(folder.file(name), loaded.file, baked, options);
+  for (const auto& [name, options] : {std::pair{"lit.glb", command.output}, {"lit.ply", ply_output}}) {
+    const WrittenColors written = write_baked(folder.file(name), file, baked, options);
     for (const Finding& finding : written.findings) {
       const auto is_same = [&](const Finding& f) {
         return f.count == finding.count && f.text == finding.text;
       };
-      if (std::any_of(comparison.findings.begin(), comparison.findings.end(), is_same)) continue;  // Of both.
+      if (std::any_of(comparison.findings.begin(), comparison.findings.end(), is_same)) continue;
       console.tell({finding});
       comparison.findings.push_back(finding);
     }
     comparison.clipped_vertices = std::max(comparison.clipped_vertices, written.clipped_vertices);
   }
+}
+
+void print_summary(const Comparison& comparison) {
+  const ImageError& image = comparison.image_display;
+  const SurfaceError& surface = comparison.surface_display;
+  print_result("per vertex against per pixel, on screen, in steps of 1/255\n");
+  print_result("  picture   rmse {:.3f}  max {:.1f}  {} of {} pixels off by more than one step\n",
+               image.rmse * 255, image.max * 255, group_digits(image.pixels_over_1_255),
+               group_digits(image.pixels));
+  const double bound = *comparison.max_bound_display;
+  print_result(
+      "  surface   rmse {:.3f}  max {:.1f} found, {}\n", surface.rmse * 255, surface.max_sampled * 255,
+      std::isfinite(bound) ? fmt::format("{:.1f} certified", round_up(bound * 255, 1)) : "none certified");
+}
+
+int compare_and_write(const CompareCommand& command, const std::string& command_line) {
+  Console console(command.scene.quiet);
+  Stopwatch stopwatch;
+  const std::vector<Threshold> thresholds = parse_thresholds(command.thresholds);
+  check_outputs(command);
+  const BakeOptions how = bake_options(command.method, console);
+
+  const LoadedScene loaded = load_scene(command.scene, console, stopwatch);
+  const Scene& scene = loaded.file.scene;
+  console.stage("baking");
+  const ColorOutput output = output_of("lit.glb", loaded.file, command.output);
+  BakedScene result = bake_scene(scene, command.method, how, console, output);
+  BakedColors& baked = result.baked;
+  const bool tells_gaps = baked.certificate || result.selection;
+  if (!tells_gaps) baked.findings.insert(baked.findings.end(), output.gaps.begin(), output.gaps.end());
+  console.tell(baked.findings);
+  stopwatch.lap("bake");
+
+  Comparison comparison = describe(command, command_line, loaded, result);
+  comparison.tolerance_space = how.tolerance_space;
+  measure(command, scene, output, baked, console, stopwatch, comparison);
+
+  console.stage("writing");
+  OutputFolder folder(command.folder);
+  write_pictures(folder, mesh_of(scene, baked), comparison);
+  write_meshes(folder, command, loaded.file, baked, console, comparison);
   stopwatch.lap("write");
   comparison.seconds = stopwatch.seconds();
   const std::string report = report_json(comparison);
@@ -269,16 +228,7 @@ int compare_and_write(const CompareCommand& command, const std::string& command_
   if (command.scene.json) {
     print_result("{}\n", report);
   } else if (!command.scene.quiet) {
-    const ImageError& image = comparison.image_display;
-    const SurfaceError& surface = comparison.surface_display;
-    print_result("per vertex against per pixel, on screen, in steps of 1/255\n");
-    print_result("  picture   rmse {:.3f}  max {:.1f}  {} of {} pixels off by more than one step\n",
-                 image.rmse * 255, image.max * 255, group_digits(image.pixels_over_1_255),
-                 group_digits(image.pixels));
-    const double bound = *comparison.max_bound_display;
-    print_result(
-        "  surface   rmse {:.3f}  max {:.1f} found, {}\n", surface.rmse * 255, surface.max_sampled * 255,
-        std::isfinite(bound) ? fmt::format("{:.1f} certified", round_up(bound * 255, 1)) : "none certified");
+    print_summary(comparison);
     print_result("{}\n", (std::filesystem::path(command.folder) / "index.html").string());
   }
   return check_thresholds(thresholds, nlohmann::ordered_json::parse(report));
@@ -300,9 +250,8 @@ void add_compare_command(CLI::App& app, Run& run) {
       ->capture_default_str();
   sub.add_option("--fail-above", command->thresholds,
                  "exit with 1 if METRIC=VALUE is exceeded; rmse, mae, max, p99 are of the picture on screen, "
-                 "in [0,1] (3/255 is three steps), "
-                 "others by "
-                 "path in report.json, e.g. surface.linear.rmse=0.01; repeatable")
+                 "in [0,1] (3/255 is three steps), others by path in report.json, e.g. "
+                 "surface.linear.rmse=0.01; repeatable")
       ->allow_extra_args(false);
   sub.footer("Example: lambake compare bunny.ply --sun 0.4,1,0.3 -o out/bunny --fail-above rmse=0.01");
   sub.callback([command, &run] {

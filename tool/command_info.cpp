@@ -1,13 +1,13 @@
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <memory>
 
 #include "commands.h"
+#include "console.h"
 #include "lambake/core/bounds.h"
+#include "lambake/core/digits.h"
 #include "lambake/geometry/defects.h"
+#include "lambake/io/scene_file.h"
 #include "lambake/report/json_parts.h"
-#include "options.h"
 
 namespace lambake::tool {
 namespace {

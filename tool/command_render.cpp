@@ -1,12 +1,11 @@
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <filesystem>
 #include <memory>
 
 #include "bake_options.h"
 #include "commands.h"
 #include "lambake/core/error.h"
+#include "lambake/io/file_extension.h"
 #include "lambake/io/image_file.h"
 #include "lambake/render/shade.h"
 #include "lambake/report/json_parts.h"
@@ -21,6 +20,12 @@ struct RenderCommand {
   std::string shading = "fragment";
   std::vector<std::string> outputs;
 };
+
+void check_picture_path(const std::string& path) {
+  const std::string extension = file_extension(path);
+  if (extension != "png" && extension != "exr")
+    throw InvalidOption(fmt::format("-o {}: expected .png or .exr", path));
+}
 
 int render_and_write(const RenderCommand& command) {
   Console console(command.scene.quiet);
@@ -47,12 +52,12 @@ int render_and_write(const RenderCommand& command) {
   if (n_covered == 0) console.note("the picture shows nothing of the model");
   for (const std::string& path : command.outputs) {
     write_picture(path, picture);
-    if (!command.scene.json && !command.scene.quiet) print_result("{}: {}x{} pixels\n", path, size.x, size.y);
+    if (command.scene.tells_people()) print_result("{}: {}x{} pixels\n", path, size.x, size.y);
   }
   stopwatch.lap("write");
   if (command.scene.json) {
     nlohmann::ordered_json json;
-    json["input"] = std::filesystem::path(command.scene.input).filename().string();
+    json["input"] = input_name(command.scene);
     json["format"] = loaded.file.format;
     json["shading"] = command.shading;
     json["width"] = size.x;

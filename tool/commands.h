@@ -1,6 +1,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <functional>
 #include <string>
 
 /// One file per command. Each adds its options to `app` and sets `run` to what the command does; `run` gets

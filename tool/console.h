@@ -3,14 +3,12 @@
 #include <fmt/format.h>
 
 #include <chrono>
-#include <cstddef>
 #include <mutex>
 #include <string>
 #include <thread>
 #include <utility>
 #include <vector>
 
-#include "lambake/core/digits.h"
 #include "lambake/core/finding.h"
 #include "lambake/core/progress.h"
 
@@ -32,6 +30,9 @@ void print_result(fmt::format_string<Values...> format, Values&&... values) {
 
 /// Writes what standard output holds back. @throws IoError.
 void flush_results();
+
+/// Writes a file. @throws IoError.
+void write_text(const std::string& path, const std::string& text);
 
 /// What the tool says to people, all of it on standard error; standard output is for results.
 class Console {

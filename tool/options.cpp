@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cmath>
 #include <filesystem>
+#include <map>
 #include <numbers>
 #include <set>
 
@@ -13,15 +14,26 @@
 #include "lambake/core/error.h"
 #include "lambake/core/parallel.h"
 #include "lambake/geometry/creases.h"
+#include "lambake/geometry/normals.h"
 #include "lambake/geometry/robust_normals.h"
-#include "lambake/io/file_extension.h"
 #include "lambake/io/light_file.h"
 #include "lambake/render/framing.h"
+#include "lambake/render/visibility.h"
 
 namespace lambake::tool {
 namespace {
 
 constexpr float rad_per_deg = std::numbers::pi_v<float> / 180;
+
+/// The whole text as a finite number, or none.
+template <typename Number>
+std::optional<Number> number_of(std::string_view text) {
+  Number number = 0;
+  const char* const end = text.data() + text.size();
+  const auto [next, error] = std::from_chars(text.data(), end, number);
+  if (error != std::errc() || next != end || !std::isfinite(static_cast<double>(number))) return std::nullopt;
+  return number;
+}
 
 LinearRgb color_from(const std::string& option, const std::vector<float>& numbers, std::size_t first) {
   if (numbers.size() <= first) return {1, 1, 1};
@@ -59,8 +71,8 @@ Light parse_lamp(const std::string& text) {
   return light;
 }
 
-void add_lights(const SceneOptions& options, LoadedScene& loaded) {
-  std::vector<Light>& lights = loaded.file.scene.lights;
+/// @param notes  takes what people should know: a default taken.
+void add_lights(const SceneOptions& options, std::vector<Light>& lights, std::vector<std::string>& notes) {
   if (!options.lights_file.empty())
     for (const Light& light : read_light_file(options.lights_file)) lights.push_back(light);
   for (const std::string& sun : options.suns) lights.push_back(parse_sun(sun));
@@ -68,21 +80,16 @@ void add_lights(const SceneOptions& options, LoadedScene& loaded) {
   const bool was_asked = !options.lights_file.empty() || options.no_file_lights;
   if (lights.empty() && !was_asked) {
     lights.push_back(parse_sun("0.4,1,0.3"));
-    loaded.notes.push_back(
-        "no light given: one white sun from 0.4,1,0.3 (choose with --sun, --lamp or --lights)");
+    notes.push_back("no light given: one white sun from 0.4,1,0.3 (choose with --sun, --lamp or --lights)");
   }
-  if (lights.empty()) loaded.notes.push_back("no light at all: only emission and unlit materials show");
-  std::size_t n_suns = 0, n_lamps = 0, n_spots = 0;
+  if (lights.empty()) notes.push_back("no light at all: only emission and unlit materials show");
+  std::map<std::string, std::size_t> counts;
   for (Light& light : lights) {
-    std::size_t& n = light.type == LightType::directional ? n_suns
-                     : light.type == LightType::point     ? n_lamps
-                                                          : n_spots;
     const char* kind = light.type == LightType::directional ? "sun"
                        : light.type == LightType::point     ? "lamp"
                                                             : "spot";
-    ++n;
-    light.name =
-        light.name.empty() ? fmt::format("{} {}", kind, n) : fmt::format("{} {} ({})", kind, n, light.name);
+    const std::string name = fmt::format("{} {}", kind, ++counts[kind]);
+    light.name = light.name.empty() ? name : fmt::format("{} ({})", name, light.name);
   }
 }
 
@@ -168,40 +175,45 @@ void make_normals(const SceneOptions& options, LoadedScene& loaded) {
               "get] no light");
 }
 
+double parse_number(const std::string& option, std::string_view text) {
+  if (const std::optional<double> number = number_of<double>(text)) return *number;
+  throw InvalidOption(fmt::format("{}: expected a finite number, found \"{}\"", option, text));
+}
+
+CLI::Validator number_check(const char* expected, bool takes_zero) {
+  const auto check = [expected, takes_zero](const std::string& text) -> std::string {
+    const std::optional<double> number = number_of<double>(text);
+    const bool is_sound = number && (*number > 0 || (takes_zero && *number == 0));
+    return is_sound ? "" : fmt::format("expected a finite number {}, found \"{}\"", expected, text);
+  };
+  return {check, ""};
+}
+
 }  // namespace
+
+std::string input_name(const SceneOptions& options) {
+  return std::filesystem::path(options.input).filename().string();
+}
 
 std::vector<float> parse_numbers(const std::string& option, const std::string& text, std::size_t min_count,
                                  std::size_t max_count) {
-  std::vector<float> numbers;
-  const char* at = text.data();
-  const char* const end = text.data() + text.size();
   const auto fail = [&](const std::string& found) -> void {
     throw InvalidOption(fmt::format(
         "{}: expected {} finite numbers separated by commas, found {}", option,
         min_count == max_count ? std::to_string(min_count) : fmt::format("{} to {}", min_count, max_count),
         found));
   };
-  while (true) {
-    float number = 0;
-    const auto [next, error] = std::from_chars(at, end, number);
-    if (error != std::errc() || !std::isfinite(number) || (next != end && *next != ','))
-      fail(fmt::format("\"{}\"", text));
-    numbers.push_back(number);
-    if (next == end) break;
-    at = next + 1;
+  std::vector<float> numbers;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    const std::optional<float> number = number_of<float>(std::string_view(text).substr(begin, end - begin));
+    if (!number) fail(fmt::format("\"{}\"", text));
+    numbers.push_back(*number);
+    begin = end + 1;
   }
   if (numbers.size() < min_count || numbers.size() > max_count)
     fail(fmt::format("{} in \"{}\"", numbers.size(), text));
   return numbers;
-}
-
-double parse_number(const std::string& option, std::string_view text) {
-  double number = 0;
-  const char* const end = text.data() + text.size();
-  const auto [next, error] = std::from_chars(text.data(), end, number);
-  if (error != std::errc() || next != end || !std::isfinite(number))
-    throw InvalidOption(fmt::format("{}: expected a finite number, found \"{}\"", option, text));
-  return number;
 }
 
 double parse_quotient(const std::string& option, std::string_view text) {
@@ -220,21 +232,6 @@ void check_distinct(const std::vector<std::string>& outputs) {
     if (!seen.insert(std::filesystem::path(output).lexically_normal()).second)
       throw InvalidOption(fmt::format("-o {}: expected each file once", output));
 }
-
-namespace {
-
-CLI::Validator number_check(const char* expected, bool takes_zero) {
-  const auto check = [expected, takes_zero](const std::string& text) -> std::string {
-    double number = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-    const bool is_sound = error == std::errc() && *end == '\0' && std::isfinite(number) &&
-                          (number > 0 || (takes_zero && number == 0));
-    return is_sound ? "" : fmt::format("expected a finite number {}, found \"{}\"", expected, text);
-  };
-  return {check, ""};
-}
-
-}  // namespace
 
 CLI::Validator at_least_zero() {
   return number_check("of at least 0", true);
@@ -279,13 +276,14 @@ void add_camera_options(CLI::App& command, CameraOptions& options) {
 LoadedScene load_scene(const SceneOptions& options, Console& console, Stopwatch& stopwatch) {
   set_thread_count(options.threads);
   LoadedScene loaded;
+  std::vector<std::string> notes;  // Told once nothing can fail any more.
   console.stage("reading");
   loaded.file = read_scene_file(options.input, {options.gltf_scene, !options.no_file_lights});
   stopwatch.lap("read");
   if (!options.gltf_scene.empty() && loaded.file.asset == nullptr)
-    loaded.notes.push_back(fmt::format("--scene says nothing to {}; it is for glTF", loaded.file.format));
+    notes.push_back(fmt::format("--scene says nothing to {}; it is for glTF", loaded.file.format));
   console.stage("normals");
-  add_lights(options, loaded);
+  add_lights(options, loaded.file.scene.lights, notes);
   apply_albedo(options.albedo, loaded.file);
   fold_base_colors(loaded.file);
   apply_exposure(options.exposure_stops, loaded.file.scene);
@@ -295,32 +293,24 @@ LoadedScene load_scene(const SceneOptions& options, Console& console, Stopwatch&
   std::size_t n_lit = 0;
   for (std::size_t f = 0; f < scene.mesh.n_triangles(); ++f)
     n_lit += !scene.materials[scene.mesh.material_of(f)].is_unlit;
-  if (n_lit == 0) loaded.notes.push_back("every material is unlit: colours stay as they are, nothing is lit");
-  for (const std::string& note : loaded.notes) console.note(note);
+  if (n_lit == 0) notes.push_back("every material is unlit: colours stay as they are, nothing is lit");
+  for (const std::string& note : notes) console.note(note);
   console.tell(loaded.file.findings);
   return loaded;
 }
 
 glm::uvec2 picture_size(const CameraOptions& options) {
-  unsigned width = 0, height = 0;
-  const char* const end = options.size.data() + options.size.size();
-  auto [after_width, error] = std::from_chars(options.size.data(), end, width);
-  constexpr unsigned limit = 16384;
-  bool is_sound = error == std::errc() && after_width != end && *after_width == 'x';
-  if (is_sound) {
-    const auto [after_height, height_error] = std::from_chars(after_width + 1, end, height);
-    is_sound = height_error == std::errc() && after_height == end;
-  }
-  if (!is_sound || width < 1 || height < 1 || width > limit || height > limit)
-    throw InvalidOption(
-        fmt::format("--size: expected WIDTHxHEIGHT, each from 1 to {}, found \"{}\"", limit, options.size));
-  return {width, height};
-}
-
-void check_picture_path(const std::string& path) {
-  const std::string extension = file_extension(path);
-  if (extension != "png" && extension != "exr")
-    throw InvalidOption(fmt::format("-o {}: expected .png or .exr", path));
+  const std::string_view text = options.size;
+  const std::size_t x = std::min(text.find('x'), text.size());
+  const std::optional<unsigned> width = number_of<unsigned>(text.substr(0, x));
+  const std::optional<unsigned> height = number_of<unsigned>(text.substr(std::min(x + 1, text.size())));
+  const auto is_sound = [](const std::optional<unsigned>& side) {
+    return side && *side >= 1 && *side <= max_picture_side;
+  };
+  if (!is_sound(width) || !is_sound(height))
+    throw InvalidOption(fmt::format("--size: expected WIDTHxHEIGHT, each from 1 to {}, found \"{}\"",
+                                    max_picture_side, text));
+  return {*width, *height};
 }
 
 Camera choose_camera(const CameraOptions& options, const Scene& scene, const glm::uvec2& size) {
@@ -331,10 +321,8 @@ Camera choose_camera(const CameraOptions& options, const Scene& scene, const glm
       throw InvalidOption("--camera: expected no --eye, --target or --fov-deg with it");
     for (const Camera& camera : scene.cameras)
       if (camera.name == options.camera) return camera;
-    std::size_t number = 0;
-    const auto [end, error] =
-        std::from_chars(options.camera.data(), options.camera.data() + options.camera.size(), number);
-    if (error == std::errc() && *end == '\0' && number < scene.cameras.size()) return scene.cameras[number];
+    const std::optional<std::size_t> number = number_of<std::size_t>(options.camera);
+    if (number && *number < scene.cameras.size()) return scene.cameras[*number];
     std::string names;
     for (std::size_t i = 0; i < scene.cameras.size(); ++i)
       names += fmt::format("{}{} \"{}\"", i == 0 ? "" : ", ", i, scene.cameras[i].name);

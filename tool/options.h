@@ -1,7 +1,6 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
-#include <cstdint>
 #include <glm/glm.hpp>
 #include <optional>
 #include <string>
@@ -9,7 +8,6 @@
 #include <vector>
 
 #include "console.h"
-#include "lambake/geometry/normals.h"
 #include "lambake/io/scene_file.h"
 
 namespace lambake::tool {
@@ -28,7 +26,13 @@ struct SceneOptions {
   std::size_t threads = 0;
   bool json = false;
   bool quiet = false;
+
+  /// Whether standard output is for people.
+  bool tells_people() const { return !json && !quiet; }
 };
+
+/// The input's name without folders.
+std::string input_name(const SceneOptions& options);
 
 struct CameraOptions {
   std::string camera;       ///< Name or number of a camera of the file.
@@ -44,31 +48,24 @@ void add_camera_options(CLI::App& command, CameraOptions& options);
 struct LoadedScene {
   SceneFile file;
   std::string normals;  ///< What the vertex normals are, e.g. "file", "angle, creases at 30 degrees".
-  std::vector<std::string> notes;  ///< For people: defaults taken, units converted.
 };
 
 /// Laps "read" and "normals" on the stopwatch; notes and findings are told on the console.
 LoadedScene load_scene(const SceneOptions& options, Console& console, Stopwatch& stopwatch);
 
-/// The size of the picture, at least 1x1 and at most 16384x16384. @throws InvalidOption.
+/// The size of the picture, at least 1 and at most max_picture_side a side. @throws InvalidOption.
 glm::uvec2 picture_size(const CameraOptions& options);
 
 /// The camera asked for, or the scene's first one, or an automatic framing of the model.
 /// @throws InvalidOption if there is no such camera.
 Camera choose_camera(const CameraOptions& options, const Scene& scene, const glm::uvec2& size);
 
-/// Throws InvalidOption unless `path` ends in .png or .exr.
-void check_picture_path(const std::string& path);
-
 /// Comma-separated numbers, between `min_count` and `max_count` of them. @throws InvalidOption naming
 /// `option`.
 std::vector<float> parse_numbers(const std::string& option, const std::string& text, std::size_t min_count,
                                  std::size_t max_count);
 
-/// One finite number. @throws InvalidOption naming `option`.
-double parse_number(const std::string& option, std::string_view text);
-
-/// The same, or a quotient of two: "1/255".
+/// One finite number, or a quotient of two: "1/255". @throws InvalidOption naming `option`.
 double parse_quotient(const std::string& option, std::string_view text);
 
 /// @throws InvalidOption if two outputs are one file.

@@ -218,7 +218,7 @@ TEST(SurfaceError, OneAndTwoThreads_GiveTheSameBits) {
   EXPECT_EQ(one.rmse, all.rmse);
   EXPECT_EQ(one.mean, all.mean);
   EXPECT_EQ(one.max_sampled, all.max_sampled);
-  EXPECT_EQ(one.triangle_rmse, all.triangle_rmse);
+  EXPECT_EQ(one.triangle_worst, all.triangle_worst);
 }
 
 TEST(SurfaceError, WorstPlace_NamesALightOnlyWhereOneReachesIt) {

@@ -6,15 +6,12 @@
 
 #include "lambake/bake/bake.h"
 #include "lambake/core/parallel.h"
+#include "lambake/shading/patch.h"
 
 namespace lambake {
 namespace {
 
 constexpr std::size_t block_size = 4096;
-
-glm::dvec3 to_double(const LinearRgb& c) {
-  return {c.r, c.g, c.b};
-}
 
 }  // namespace
 

@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "lambake/bake/bake.h"
-#include "lambake/measure/surface_error.h"
 #include "lambake/scene/scene.h"
 #include "lambake/shading/patch_bound.h"
 
@@ -12,11 +11,8 @@ namespace lambake {
 
 /// Upper bounds of |G − F|, never below the truth (docs/bound.md).
 struct SurfaceBound {
-  double max_bound = 0;               ///< Of all triangles and channels; infinite if one has no bound.
-  double max_found = 0;               ///< The largest error met on the way: never above the truth.
-  SurfacePlace worst;                 ///< Where max_bound is: its triangle, and the worst place found there.
-  std::vector<float> triangle_bound;  ///< F', rounded up; infinite where a light lies on the surface.
-  std::vector<float> triangle_found;  ///< F', rounded down.
+  double max_bound = 0;                 ///< Of all triangles and channels; infinite if one has no bound.
+  std::vector<float> triangle_bound;    ///< F', rounded up; infinite where a light lies on the surface.
   std::size_t unbounded_triangles = 0;  ///< With an infinite bound.
 };
 

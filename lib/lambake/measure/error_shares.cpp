@@ -52,8 +52,7 @@ double rms_of_difference(const ComparedSurface& surface, const std::vector<Linea
       glm::dmat3 d;
       for (int c = 0; c < 3; ++c) {
         const std::uint32_t v = surface.mesh().triangles[f][c];
-        const LinearRgb step = a[v] - b[v];
-        d[c] = {step.r, step.g, step.b};
+        d[c] = to_double(a[v] - b[v]);
       }
       if (areas[f] == 0 || d == glm::dmat3(0.0)) continue;
       const glm::dvec3 square = mean_square(surface, f, d, levels);

@@ -11,14 +11,10 @@
 namespace lambake {
 namespace {
 
-void check_size(const char* what, std::uint32_t width, std::uint32_t height, const Visibility& visibility) {
-  if (width != visibility.width || height != visibility.height)
-    throw InvalidOption(fmt::format("compare: expected a {} of {}x{} pixels, found {}x{}", what,
-                                    visibility.width, visibility.height, width, height));
-}
-
-double on_screen(float linear) {
-  return srgb_encode(std::clamp(double(linear), 0.0, 1.0));
+void check_size(const Picture& picture, const Visibility& visibility) {
+  if (picture.width != visibility.width || picture.height != visibility.height)
+    throw InvalidOption(fmt::format("compare: expected a picture of {}x{} pixels, found {}x{}",
+                                    visibility.width, visibility.height, picture.width, picture.height));
 }
 
 /// Sums that ImageError's means are made from, so that views can be added.
@@ -46,8 +42,8 @@ double percentile_99(std::vector<float>& values) {
 
 ImageError compare_pictures(const Picture& test, const Picture& reference, const Visibility& visibility,
                             ErrorSpace space) {
-  check_size("picture", test.width, test.height, visibility);
-  check_size("picture", reference.width, reference.height, visibility);
+  check_size(test, visibility);
+  check_size(reference, visibility);
   ImageError error;
   Sums sums;
   std::vector<float> largest_of_pixels;
@@ -63,9 +59,8 @@ ImageError compare_pictures(const Picture& test, const Picture& reference, const
         ++error.nonfinite;
         continue;
       }
-      const double d = space == ErrorSpace::linear
-                           ? double(test_channels[c]) - double(reference_channels[c])
-                           : on_screen(test_channels[c]) - on_screen(reference_channels[c]);
+      const double d =
+          compared(double(test_channels[c]), space) - compared(double(reference_channels[c]), space);
       sums.squares += d * d;
       sums.magnitudes += std::abs(d);
       sums.differences += d;

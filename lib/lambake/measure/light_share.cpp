@@ -23,17 +23,16 @@ constexpr std::array<Point, 4> inner_points = {{{{0.5, 0.5, 0}, middle_weight},
                                                 {{0.5, 0, 0.5}, middle_weight},
                                                 {{1.0 / 3, 1.0 / 3, 1.0 / 3}, centroid_weight}}};
 
-LightShare share_on_triangle(const Light& light, const std::array<glm::dvec3, 3>& p,
-                             const std::array<glm::dvec3, 3>& n) {
-  glm::dvec3 at_corners;
-  for (int c = 0; c < 3; ++c)
-    at_corners[c] = received(light, p[static_cast<std::size_t>(c)], n[static_cast<std::size_t>(c)]);
+/// @param p, n  positions and normals, by corner.
+LightShare share_on_triangle(const Light& light, const glm::dmat3& p, const glm::dmat3& n) {
+  const glm::dvec3 at_corners(received(light, p[0], n[0]), received(light, p[1], n[1]),
+                              received(light, p[2], n[2]));
   LightShare share{corner_weight * (at_corners.x + at_corners.y + at_corners.z), 0};
   for (const auto& [b, weight] : inner_points) {
-    const glm::dvec3 normal = b.x * n[0] + b.y * n[1] + b.z * n[2];
+    const glm::dvec3 normal = n * b;
     const double length = glm::length(normal);
     if (!(length > 0)) continue;
-    const double truth = received(light, b.x * p[0] + b.y * p[1] + b.z * p[2], normal / length);
+    const double truth = received(light, p * b, normal / length);
     share.light += weight * truth;
     share.error += weight * std::abs(truth - glm::dot(b, at_corners));
   }
@@ -56,11 +55,8 @@ std::vector<LightShare> light_shares(const Scene& scene) {
       const double brightness = double(light.intensity.r) + light.intensity.g + light.intensity.b;
       for (std::size_t f = 0; f < n_triangles; f += stride) {
         const glm::uvec3& t = mesh.triangles[f];
-        std::array<glm::dvec3, 3> p, n;
-        for (std::size_t c = 0; c < 3; ++c) {
-          p[c] = mesh.positions[t[static_cast<int>(c)]];
-          n[c] = mesh.normals[t[static_cast<int>(c)]];
-        }
+        glm::dmat3 p, n;
+        for (int c = 0; c < 3; ++c) p[c] = mesh.positions[t[c]], n[c] = mesh.normals[t[c]];
         const double weight = brightness * glm::length(glm::cross(p[1] - p[0], p[2] - p[0]));
         const LightShare share = share_on_triangle(light, p, n);
         if (!std::isfinite(weight * share.light) || !std::isfinite(weight * share.error)) continue;

@@ -2,13 +2,22 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "lambake/core/error.h"
 
 namespace lambake {
 namespace {
 
-glm::dvec3 to_double(const LinearRgb& c) {
-  return {c.r, c.g, c.b};
+glm::dvec3 to_double(const glm::vec3& v) {
+  return glm::dvec3(v);
+}
+
+/// The value of vertex v: as the mesh stores it or, where it was made by a cut, exactly.
+template <typename Stored>
+glm::dvec3 value_at(std::uint32_t v, const std::vector<Stored>& stored, std::size_t n_uncut,
+                    const std::vector<glm::dvec3>& cut) {
+  return v < n_uncut ? to_double(stored[v]) : cut[v - n_uncut];
 }
 
 }  // namespace
@@ -27,35 +36,24 @@ ComparedSurface::ComparedSurface(const Scene& scene, const BakedColors& baked)
   check("vertex normals", mesh_.normals.size(), mesh_.n_vertices());
   if (!baked.cuts.empty()) check("vertices before the cuts", n_uncut_, scene.mesh.n_vertices());
 
-  cut_positions_.reserve(baked.cuts.size());
-  cut_normals_.reserve(baked.cuts.size());
-  for (const EdgeCut& cut : baked.cuts) {
-    const auto value = [&](std::uint32_t v, const std::vector<glm::vec3>& uncut,
-                           const std::vector<glm::dvec3>& made) {
-      return v < n_uncut_ ? glm::dvec3(uncut[v]) : made[v - n_uncut_];
-    };
-    const double t = cut.t;
-    cut_positions_.push_back((1 - t) * value(cut.a, mesh_.positions, cut_positions_) +
-                             t * value(cut.b, mesh_.positions, cut_positions_));
-    cut_normals_.push_back((1 - t) * value(cut.a, mesh_.normals, cut_normals_) +
-                           t * value(cut.b, mesh_.normals, cut_normals_));
-    if (mesh_.colors.empty()) continue;
-    const auto albedo = [&](std::uint32_t v) {
-      return v < n_uncut_ ? to_double(mesh_.colors[v]) : cut_albedos_[v - n_uncut_];
-    };
-    cut_albedos_.push_back((1 - t) * albedo(cut.a) + t * albedo(cut.b));
-  }
+  const auto interpolate = [&](const auto& stored, std::vector<glm::dvec3>& made) {
+    made.reserve(baked.cuts.size());
+    for (const EdgeCut& cut : baked.cuts)
+      made.push_back((1 - double(cut.t)) * value_at(cut.a, stored, n_uncut_, made) +
+                     double(cut.t) * value_at(cut.b, stored, n_uncut_, made));
+  };
+  interpolate(mesh_.positions, cut_positions_);
+  interpolate(mesh_.normals, cut_normals_);
+  if (!mesh_.colors.empty()) interpolate(mesh_.colors, cut_albedos_);
 }
 
 Patch ComparedSurface::patch(std::size_t triangle) const {
   Patch patch;
   for (int c = 0; c < 3; ++c) {
     const std::uint32_t v = mesh_.triangles[triangle][c];
-    const bool is_cut = v >= n_uncut_;
-    patch.positions[c] = is_cut ? cut_positions_[v - n_uncut_] : glm::dvec3(mesh_.positions[v]);
-    patch.normals[c] = is_cut ? cut_normals_[v - n_uncut_] : glm::dvec3(mesh_.normals[v]);
-    if (!mesh_.colors.empty())
-      patch.albedos[c] = is_cut ? cut_albedos_[v - n_uncut_] : to_double(mesh_.colors[v]);
+    patch.positions[c] = value_at(v, mesh_.positions, n_uncut_, cut_positions_);
+    patch.normals[c] = value_at(v, mesh_.normals, n_uncut_, cut_normals_);
+    if (!mesh_.colors.empty()) patch.albedos[c] = value_at(v, mesh_.colors, n_uncut_, cut_albedos_);
     patch.colors[c] = to_double(colors_[v]);
   }
   return patch;

@@ -72,10 +72,8 @@ class TriangleError {
         finish_(surface.finish_at(triangle, glm::dvec3(1.0 / 3))) {
     if (!finish_.is_unlit) find_reaching_lights(surface.scene().lights, patch_, lights_);
     for (std::size_t m = 0; m < measures.size(); ++m)
-      for (int c = 0; c < 3; ++c) {
-        const LinearRgb& color = measures[m].colors[surface.mesh().triangles[triangle][c]];
-        colors_[m][c] = {color.r, color.g, color.b};
-      }
+      for (int c = 0; c < 3; ++c)
+        colors_[m][c] = to_double(measures[m].colors[surface.mesh().triangles[triangle][c]]);
   }
 
   std::size_t n_measures() const { return measures_.size(); }
@@ -127,8 +125,6 @@ class TriangleError {
     }
     return light;
   }
-
-  const Patch& patch() const { return patch_; }
 
  private:
   const ComparedSurface& surface_;
@@ -319,56 +315,61 @@ double rmse_of(const Integrals& integrals, std::size_t m) {
   return area > 0 ? std::sqrt(square / area) : 0;
 }
 
-/// Sums up measure m, after a closer look at its worst triangles.
-SurfaceError summarise(const ComparedSurface& surface, std::span<const Measure> measures, std::size_t m,
-                       Integrals& integrals) {
-  const std::size_t n = surface.n_triangles();
-  const std::span<const Measure> only = measures.subspan(m, 1);
-  const std::vector<double>& areas = integrals.areas;
-  const auto sums = [&](std::size_t f) -> Sums& { return integrals.sums[f][m]; };
-  std::vector<std::uint32_t> order(n);
-  std::iota(order.begin(), order.end(), 0U);
-  const std::size_t n_worst = std::min<std::size_t>(8, n);
+/// The triangles with the largest errors of measure m, at most 8, the largest first, after a closer look at
+/// each.
+std::vector<std::uint32_t> find_worst(const ComparedSurface& surface, std::span<const Measure> measures,
+                                      std::size_t m, Integrals& integrals) {
+  const auto sums = [&](std::uint32_t f) -> Sums& { return integrals.sums[f][m]; };
   const auto is_worse = [&](std::uint32_t a, std::uint32_t b) {
     return sums(a).max != sums(b).max ? sums(a).max > sums(b).max : a < b;
   };
+  std::vector<std::uint32_t> order(surface.n_triangles());
+  std::iota(order.begin(), order.end(), 0U);
+  const std::size_t n_worst = std::min<std::size_t>(8, order.size());
   std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(n_worst), order.end(),
                     is_worse);
+  order.resize(n_worst);
   parallel_blocks(n_worst, 1, [&](std::size_t i, std::size_t) {
-    if (areas[order[i]] > 0) climb(TriangleError(surface, order[i], only), sums(order[i]));
+    if (integrals.areas[order[i]] > 0)
+      climb(TriangleError(surface, order[i], measures.subspan(m, 1)), sums(order[i]));
   });
-  std::sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(n_worst), is_worse);
+  std::sort(order.begin(), order.end(), is_worse);
+  return order;
+}
 
+/// Sums up measure m, after a closer look at its worst triangles.
+SurfaceError summarise(const ComparedSurface& surface, std::span<const Measure> measures, std::size_t m,
+                       Integrals& integrals) {
+  const std::vector<std::uint32_t> worst = find_worst(surface, measures, m, integrals);
+  const std::size_t n = surface.n_triangles();
   SurfaceError result;
-  result.triangle_rmse.resize(n);
   result.triangle_max.resize(n);
   result.triangle_worst.resize(n);
   double absolute = 0, plain = 0;
   for (std::size_t f = 0; f < n; ++f) {
-    result.area += areas[f];
-    absolute += areas[f] * sums(f).absolute;
-    plain += areas[f] * sums(f).plain;
-    result.triangle_rmse[f] = static_cast<float>(std::sqrt(sums(f).square));
-    result.triangle_max[f] = static_cast<float>(std::max(0.0, sums(f).max));
-    result.triangle_worst[f] = static_cast<float>(sums(f).worst);
-    result.max_sampled = std::max(result.max_sampled, sums(f).max);
+    const Sums& sums = integrals.sums[f][m];
+    result.area += integrals.areas[f];
+    absolute += integrals.areas[f] * sums.absolute;
+    plain += integrals.areas[f] * sums.plain;
+    result.triangle_max[f] = static_cast<float>(std::max(0.0, sums.max));
+    result.triangle_worst[f] = static_cast<float>(sums.worst);
+    result.max_sampled = std::max(result.max_sampled, sums.max);
   }
   result.rmse = rmse_of(integrals, m);
   if (result.area > 0) {
     result.mae = absolute / result.area;
     result.mean = plain / result.area;
   }
-  for (std::size_t i = 0; i < n_worst && sums(order[i]).max > 0; ++i) {
-    const std::uint32_t f = order[i];
-    const TriangleError error(surface, f, only);
-    SurfacePlace place;
-    place.triangle = f;
-    place.source_face = surface.mesh().source_face_of(f);
-    place.barycentrics = sums(f).max_at;
-    place.position = error.patch().positions * sums(f).max_at;
-    place.error = sums(f).max;
-    place.light = error.worst_light(sums(f).max_at);
-    result.worst.push_back(place);
+  for (const std::uint32_t f : worst) {
+    const Sums& sums = integrals.sums[f][m];
+    if (!(sums.max > 0)) break;
+    result.worst.push_back(
+        {.triangle = f,
+         .source_face = surface.mesh().source_face_of(f),
+         .barycentrics = sums.max_at,
+         .position = surface.patch(f).positions * sums.max_at,
+         .error = sums.max,
+         .light = TriangleError(surface, f, measures.subspan(m, 1)).worst_light(sums.max_at)});
   }
   return result;
 }

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "lambake/render/visibility.h"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "lambake/render/interpolate.cpp"
 #include <hwy/foreach_target.h>  // compiles the part below once per vector path

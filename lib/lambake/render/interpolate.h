@@ -7,7 +7,6 @@
 #include <span>
 
 #include "lambake/core/color.h"
-#include "lambake/render/visibility.h"
 #include "lambake/scene/mesh.h"
 
 /// Per-vertex values at places on triangles, many at once in vectors; internal to the folder.

@@ -1,7 +1,7 @@
 #include "lambake/render/parent_hits.h"
 
 #include <array>
-#include <utility>
+#include <vector>
 
 #include "lambake/core/error.h"
 #include "lambake/core/parallel.h"
@@ -31,28 +31,36 @@ struct VertexMean {
   }
 };
 
-std::vector<VertexMean> means_of(const std::vector<EdgeCut>& cuts, std::size_t n_uncut) {
-  std::vector<VertexMean> means(cuts.size());
-  for (std::size_t i = 0; i < cuts.size(); ++i) {
-    const auto add = [&](std::uint32_t v, double weight) {
-      if (v < n_uncut)
-        means[i].add(v, weight);
-      else
-        means[i].add(means[v - n_uncut], weight);
-    };
-    add(cuts[i].a, 1 - double(cuts[i].t));
-    add(cuts[i].b, double(cuts[i].t));
+/// The vertices that cuts made.
+class CutVertices {
+ public:
+  CutVertices(const std::vector<EdgeCut>& cuts, std::size_t n_uncut)
+      : n_uncut_(n_uncut), means_(cuts.size()) {
+    for (std::size_t i = 0; i < cuts.size(); ++i) {
+      add_to(means_[i], cuts[i].a, 1 - double(cuts[i].t));
+      add_to(means_[i], cuts[i].b, double(cuts[i].t));
+    }
   }
-  return means;
-}
+
+  /// Adds a vertex, made by a cut or not, to a mean.
+  void add_to(VertexMean& mean, std::uint32_t v, double weight) const {
+    if (v < n_uncut_)
+      mean.add(v, weight);
+    else
+      mean.add(means_[v - n_uncut_], weight);
+  }
+
+ private:
+  std::size_t n_uncut_;
+  std::vector<VertexMean> means_;
+};
 
 }  // namespace
 
 Visibility parent_hits(const Scene& scene, const BakedColors& baked, Visibility seen) {
   if (baked.parent_triangles.empty()) return seen;  // Nothing was cut: the triangles are the scene's.
   const Mesh& mesh = mesh_of(scene, baked);
-  const std::size_t n_uncut = scene.mesh.n_vertices();
-  const std::vector<VertexMean> means = means_of(baked.cuts, n_uncut);
+  const CutVertices vertices(baked.cuts, scene.mesh.n_vertices());
   parallel_blocks(seen.triangles.size(), 4096, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       if (seen.triangles[i] == no_triangle) continue;
@@ -60,14 +68,7 @@ Visibility parent_hits(const Scene& scene, const BakedColors& baked, Visibility 
       const glm::dvec2 b(seen.barycentrics[i]);
       const std::array<double, 3> weights{1 - b.x - b.y, b.x, b.y};
       VertexMean mean;
-      for (int c = 0; c < 3; ++c) {
-        const std::uint32_t v = triangle[c];
-        const double weight = weights[static_cast<std::size_t>(c)];
-        if (v < n_uncut)
-          mean.add(v, weight);
-        else
-          mean.add(means[v - n_uncut], weight);
-      }
+      for (int c = 0; c < 3; ++c) vertices.add_to(mean, triangle[c], weights[static_cast<std::size_t>(c)]);
       seen.triangles[i] = baked.parent_triangles[seen.triangles[i]];
       const glm::uvec3& parent = scene.mesh.triangles[seen.triangles[i]];
       glm::dvec3 in_parent(0);

@@ -14,9 +14,8 @@ namespace lambake {
 inline constexpr int subpixel_bits = 8;
 inline constexpr std::int32_t subpixels = 1 << subpixel_bits;
 
-/// Largest width and height of a picture, and how far beyond it triangles may reach before they are clipped.
-/// With both, edge functions fit 64 bits, and 32 bits within a tile (raster_setup.h).
-inline constexpr std::uint32_t max_picture_side = 16384;
+/// How far beyond the picture triangles may reach before they are clipped. With this and max_picture_side
+/// edge functions fit 64 bits, and 32 bits within a tile (raster_setup.h).
 inline constexpr double guard_band_pixels = 8192;
 
 /// A vertex on the screen.

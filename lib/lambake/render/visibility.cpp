@@ -50,6 +50,14 @@ struct TileRange {
   std::int32_t column_begin = 0, row_begin = 0, column_last = -1, row_last = -1;
 };
 
+/// Calls `use` with the index of each of the tiles.
+template <typename Use>
+void for_each_tile(const TileRange& tiles, const TileGrid& grid, const Use& use) {
+  for (std::int32_t row = tiles.row_begin; row <= tiles.row_last; ++row)
+    for (std::int32_t column = tiles.column_begin; column <= tiles.column_last; ++column)
+      use(static_cast<std::size_t>(row) * grid.columns + static_cast<std::size_t>(column));
+}
+
 TileRange tiles_touched(const ScreenVertex& a, const ScreenVertex& b, const ScreenVertex& c,
                         const TileGrid& grid) {
   const std::int32_t x_begin = std::max(0, first_pixel(std::min({a.x, b.x, c.x})));
@@ -100,10 +108,6 @@ class VisibilityPass {
   void draw_with_masks(const ScreenTriangles& screen, std::span<const std::uint32_t> entries,
                        Tile& tile) const;
   bool is_opaque_at(std::uint32_t triangle, std::uint32_t x, std::uint32_t y) const;
-  RayHit hit(std::uint32_t triangle, const PixelRay& ray) const {
-    const glm::uvec3& t = mesh_.triangles[triangle];
-    return hit_triangle(ray, mesh_.positions[t[0]], mesh_.positions[t[1]], mesh_.positions[t[2]]);
-  }
 
   const Scene& scene_;
   const Mesh& mesh_;
@@ -129,9 +133,7 @@ Bins VisibilityPass::bin_triangles(std::size_t begin, std::size_t end) const {
     const TileRange tiles = tiles_touched(a, b, c, grid_);
     if (tiles.row_begin > tiles.row_last || (!is_double_sided && !is_front(a, b, c))) return;
     placed.push_back({entry, tiles});
-    for (std::int32_t row = tiles.row_begin; row <= tiles.row_last; ++row)
-      for (std::int32_t column = tiles.column_begin; column <= tiles.column_last; ++column)
-        ++bins.begin[static_cast<std::size_t>(row) * grid_.columns + static_cast<std::size_t>(column) + 2];
+    for_each_tile(tiles, grid_, [&](std::size_t tile) { ++bins.begin[tile + 2]; });
   };
 
   std::vector<std::uint32_t> candidates;
@@ -158,10 +160,7 @@ Bins VisibilityPass::bin_triangles(std::size_t begin, std::size_t end) const {
   for (std::size_t i = 2; i < bins.begin.size(); ++i) bins.begin[i] += bins.begin[i - 1];
   bins.entries.resize(bins.begin.back());
   for (const Placed& p : placed)
-    for (std::int32_t row = p.tiles.row_begin; row <= p.tiles.row_last; ++row)
-      for (std::int32_t column = p.tiles.column_begin; column <= p.tiles.column_last; ++column)
-        bins.entries[bins.begin[static_cast<std::size_t>(row) * grid_.columns +
-                                static_cast<std::size_t>(column) + 1]++] = p.entry;
+    for_each_tile(p.tiles, grid_, [&](std::size_t tile) { bins.entries[bins.begin[tile + 1]++] = p.entry; });
   bins.begin.pop_back();
   return bins;
 }
@@ -229,8 +228,10 @@ void VisibilityPass::draw_with_masks(const ScreenTriangles& screen, std::span<co
 
 bool VisibilityPass::is_opaque_at(std::uint32_t triangle, std::uint32_t x, std::uint32_t y) const {
   const Material& material = scene_.materials[mesh_.material_of(triangle)];
-  const glm::vec2 b(hit(triangle, screen_.view.pixel_ray(x, y)).barycentrics);
   const glm::uvec3& t = mesh_.triangles[triangle];
+  const glm::vec2 b(hit_triangle(screen_.view.pixel_ray(x, y), mesh_.positions[t[0]], mesh_.positions[t[1]],
+                                 mesh_.positions[t[2]])
+                        .barycentrics);
   const auto interpolated = [&](const auto& values) {
     return values[t[0]] + b.x * (values[t[1]] - values[t[0]]) + b.y * (values[t[2]] - values[t[0]]);
   };

@@ -30,9 +30,12 @@ struct Visibility {
   std::size_t n_covered = 0;             ///< Pixels with a triangle.
 };
 
+/// Largest width and height of a picture.
+inline constexpr std::uint32_t max_picture_side = 16384;
+
 /// @param scene   for the materials (sidedness, masks); its own mesh is not used.
 /// @param mesh    what is drawn: the scene's, or one made by baking.
-/// @param width,height  1 to 16384.
+/// @param width,height  1 to max_picture_side.
 /// @throws InvalidOption for another size or a camera out of its range; InvalidScene for 2^29 triangles.
 /// Vertices are snapped to 1/256 pixel. Deterministic for any number of threads.
 Visibility find_visibility(const Scene& scene, const Mesh& mesh, const Camera& camera, std::uint32_t width,

@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <tuple>
 
+#include "lambake/report/json_parts.h"
 #include "lambake/report/page_frame.h"
 #include "lambake/report/text.h"
 
@@ -18,6 +20,10 @@ using Json = nlohmann::ordered_json;
 
 Json timing_json(const Timing& t) {
   return {{"median", t.median}, {"low_quartile", t.low}, {"high_quartile", t.high}, {"repeats", t.repeats}};
+}
+
+Json timings_json(const Timing& one_thread, const Timing& all_threads) {
+  return {{"one_thread", timing_json(one_thread)}, {"all_threads", timing_json(all_threads)}};
 }
 
 ChartPoint point_of(const Timing& time, double y, std::string label) {
@@ -50,11 +56,31 @@ std::vector<ChartSeries> series_by_method(
   return all;
 }
 
-void add_frames(Chart& chart, const ChartRun& run) {
+std::string size_of(const FrameRun& frame) {
+  return fmt::format("{}×{}", frame.width, frame.height);
+}
+
+constexpr const char* bound_axis = "certified largest error, on screen, steps of 1/255";
+
+/// Time of a bake over an error, of the methods that have it; pictures lit per pixel beside.
+Chart time_chart(const ChartRun& run, const char* id, const char* title, const char* error_axis,
+                 const std::function<std::optional<double>(const MethodRun&)>& error) {
+  Chart chart{
+      .id = id,
+      .title = title,
+      .x = {fmt::format("time of a bake on {} thread{}", run.n_threads, run.n_threads == 1 ? "" : "s"),
+            duration},
+      .y = {error_axis, short_number},
+      .has_front = true};
+  chart.series = series_by_method(run, [&](const MethodRun& m) -> std::optional<ChartPoint> {
+    const std::optional<double> e = error(m);
+    if (!e) return std::nullopt;
+    return point_of(m.all_threads, *e * 255, label_of(m));
+  });
   ChartSeries frames{"per pixel, one picture", {}, false, false};
-  for (const FrameRun& f : run.frames)
-    frames.points.push_back(point_of(f.per_fragment, 0, fmt::format("{}×{}", f.width, f.height)));
+  for (const FrameRun& f : run.frames) frames.points.push_back(point_of(f.per_fragment, 0, size_of(f)));
   if (!frames.points.empty()) chart.series.push_back(std::move(frames));
+  return chart;
 }
 
 /// A field of RFC 4180.
@@ -63,16 +89,6 @@ std::string csv_field(const std::string& text) {
   std::string quoted = "\"";
   for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
   return quoted + '"';
-}
-
-ChartAxis time_axis(const std::string& label) {
-  return {label, duration};
-}
-ChartAxis number_axis(const std::string& label) {
-  return {label, short_number};
-}
-std::string time_of_bake(const ChartRun& run) {
-  return fmt::format("time of a bake on {} thread{}", run.n_threads, run.n_threads == 1 ? "" : "s");
 }
 
 /// The number of lights at which both cost the same, between two measured ones; none if one is always
@@ -87,12 +103,9 @@ std::optional<ChartPoint> crossing(const ChartRun& run) {
     const auto between = [t](double u, double v) {
       return std::exp((1 - t) * std::log(u) + t * std::log(v));
     };
-    return ChartPoint{between(static_cast<double>(a.n_lights), static_cast<double>(b.n_lights)),
-                      between(a.per_vertex.median, b.per_vertex.median),
-                      0,
-                      0,
-                      "",
-                      true};
+    return ChartPoint{.x = between(static_cast<double>(a.n_lights), static_cast<double>(b.n_lights)),
+                      .y = between(a.per_vertex.median, b.per_vertex.median),
+                      .is_emphasised = true};
   }
   return std::nullopt;
 }
@@ -113,8 +126,8 @@ std::string payback(const ChartRun& run) {
   const double saved = frame.per_fragment.median - frame.per_vertex.median;
   const std::string pays =
       saved <= 0 ? "a picture costs the same either way"
-                 : fmt::format("it saves {} on each picture of {}×{}, so it has paid for itself after {}",
-                               duration(saved), frame.width, frame.height,
+                 : fmt::format("it saves {} on each picture of {}, so it has paid for itself after {}",
+                               duration(saved), size_of(frame),
                                sample->all_threads.median <= saved
                                    ? std::string("the first")
                                    : fmt::format("{:.0f}", std::ceil(sample->all_threads.median / saved)));
@@ -123,81 +136,61 @@ std::string payback(const ChartRun& run) {
 }
 
 std::string header(const ChartRun& run) {
-  const std::string sentence =
-      run.verdict.empty() ? payback(run) : fmt::format("Within 1/255: {}.", run.verdict);
-  const std::string more = run.verdict.empty() ? std::string()
-                                               : fmt::format(
-                                                     "<p>{} What the first sentence names is ringed in "
-                                                     "the charts.</p>\n",
-                                                     escape_html(payback(run)));
+  std::string sentence = payback(run), more;
+  if (!run.verdict.empty()) {
+    more = fmt::format("<p>{} What the first sentence names is ringed in the charts.</p>\n",
+                       escape_html(sentence));
+    sentence = fmt::format("Within 1/255: {}.", run.verdict);
+  }
   return fmt::format(
-      "<p class=\"eyebrow\">{} · speed against accuracy</p>\n<h1>{}</h1>\n{}<ul "
-      "class=\"facts\">\n<li>{}</li>\n<li>{}</li>\n"
-      "<li>{}</li>\n<li>{}</li>\n</ul>\n",
+      "<p class=\"eyebrow\">{} · speed against accuracy</p>\n<h1>{}</h1>\n{}<ul class=\"facts\">\n"
+      "<li>{}</li>\n<li>{}</li>\n<li>{}</li>\n<li>{}</li>\n</ul>\n",
       escape_html(run.input), escape_html(sentence), more, count_of(run.n_vertices, "vertex", "vertices"),
       count_of(run.n_triangles, "triangle", "triangles"), count_of(run.n_lights, "light", "lights"),
       count_of(run.n_threads, "thread", "threads"));
 }
 
 std::string chart_section(const Chart& chart, const std::string& text) {
-  return fmt::format(
-      "<section aria-labelledby=\"{0}\">\n<h2 "
-      "id=\"{0}\">{1}</h2>\n<figure>\n{2}<figcaption>{3}</figcaption>\n</figure>\n"
-      "</section>\n",
-      chart.id, escape_html(chart.title), responsive_chart_svg(chart), text);
+  return fmt::format("{}<figure>\n{}<figcaption>{}</figcaption>\n</figure>\n</section>\n",
+                     section_begin(chart.id, escape_html(chart.title)), responsive_chart_svg(chart), text);
 }
 
-std::string timing_cell(const char* label, const Timing& t) {
-  return fmt::format("<td class=\"n\" data-label=\"{}\">{}<small>{}</small></td>", label, duration(t.median),
-                     t.repeats == 1
-                         ? std::string("run once")
-                         : fmt::format("{} to {}, {} repeats", duration(t.low), duration(t.high), t.repeats));
+std::string timing_cell(const Timing& t) {
+  const std::string repeats =
+      t.repeats == 1 ? "run once"
+                     : fmt::format("{} to {}, {} repeats", duration(t.low), duration(t.high), t.repeats);
+  return fmt::format("{}<small>{}</small>", duration(t.median), repeats);
 }
 
 std::string methods_section(const ChartRun& run) {
-  std::string html =
-      "<section aria-labelledby=\"methods\">\n<h2 id=\"methods\">The methods in numbers</h2>\n<table "
-      "class=\"table stacked\">\n"
-      "<thead><tr><th scope=\"col\">Method</th><th scope=\"col\" class=\"n\">Vertices</th><th scope=\"col\" "
-      "class=\"n\">Bytes"
-      "</th><th scope=\"col\" class=\"n\">One thread</th><th scope=\"col\" class=\"n\">All threads</th><th "
-      "scope=\"col\" "
-      "class=\"n\">RMSE</th><th scope=\"col\" class=\"n\">Largest found</th><th scope=\"col\" "
-      "class=\"n\">Certified</th></tr>"
-      "</thead>\n<tbody>\n";
-  for (const MethodRun& m : run.methods) {
-    const auto cell = [&](const char* label, const std::string& value) {
-      html += fmt::format("<td class=\"n\" data-label=\"{}\">{}</td>", label, value);
-    };
-    html += fmt::format("<tr><th scope=\"row\" data-label=\"Method\">{}</th>", escape_html(m.label()));
-    cell("Vertices", grouped(m.n_vertices));
-    cell("Bytes", grouped(m.bytes));
-    html += timing_cell("One thread", m.one_thread) + timing_cell("All threads", m.all_threads);
-    cell("RMSE", steps_of_255(m.rmse));
-    cell("Largest found", steps_of_255(m.max_sampled));
-    cell("Certified", bound_of_255(m.max_bound));
-    html += "</tr>\n";
-  }
-  html += "</tbody>\n</table>\n</section>\n";
-  if (run.frames.empty()) return html;
-  html +=
-      "<section aria-labelledby=\"frames\">\n<h2 id=\"frames\">A picture, drawn both ways</h2>\n<table "
-      "class=\"table stacked\">\n"
-      "<thead><tr><th scope=\"col\">Size</th><th scope=\"col\" class=\"n\">Lit pixels</th><th scope=\"col\" "
-      "class=\"n\">Per vertex, one thread</th><th scope=\"col\" class=\"n\">all threads</th><th "
-      "scope=\"col\" "
-      "class=\"n\">Per pixel, one thread</th><th scope=\"col\" class=\"n\">all threads</th></tr></thead>\n"
-      "<tbody>\n";
+  std::vector<std::vector<std::string>> rows;
+  for (const MethodRun& m : run.methods)
+    rows.push_back({escape_html(m.label()), grouped(m.n_vertices), grouped(m.bytes),
+                    timing_cell(m.one_thread), timing_cell(m.all_threads), steps_of_255(m.rmse),
+                    steps_of_255(m.max_sampled), bound_of_255(m.max_bound)});
+  return section_begin("methods", "The methods in numbers") +
+         stacked_table({"Method", "Vertices", "Bytes", "One thread", "All threads", "RMSE", "Largest found",
+                        "Certified"},
+                       CellKind::number, rows) +
+         "</section>\n";
+}
+
+std::string frames_section(const ChartRun& run) {
+  if (run.frames.empty()) return {};
+  std::vector<std::vector<std::string>> rows;
   for (const FrameRun& f : run.frames)
-    html += fmt::format(
-        "<tr><th scope=\"row\" data-label=\"Size\">{}×{}</th><td class=\"n\" data-label=\"Lit "
-        "pixels\">{}</td>{}{}{}{}</tr>\n",
-        f.width, f.height, grouped(f.n_covered),
-        timing_cell("Per vertex, one thread", f.per_vertex_one_thread),
-        timing_cell("Per vertex, all threads", f.per_vertex),
-        timing_cell("Per pixel, one thread", f.per_fragment_one_thread),
-        timing_cell("Per pixel, all threads", f.per_fragment));
-  return html + "</tbody>\n</table>\n</section>\n";
+    rows.push_back({size_of(f), grouped(f.n_covered), timing_cell(f.per_vertex_one_thread),
+                    timing_cell(f.per_vertex), timing_cell(f.per_fragment_one_thread),
+                    timing_cell(f.per_fragment)});
+  return section_begin("frames", "A picture, drawn both ways") +
+         stacked_table({"Size",
+                        "Lit pixels",
+                        "Per vertex, one thread",
+                        {"all threads", "Per vertex, all threads"},
+                        "Per pixel, one thread",
+                        {"all threads", "Per pixel, all threads"}},
+                       CellKind::number, rows) +
+         "</section>\n";
 }
 
 }  // namespace
@@ -215,21 +208,16 @@ std::string chart_json(const ChartRun& run) {
          {"vertices", m.n_vertices},
          {"triangles", m.n_triangles},
          {"bytes", m.bytes},
-         {"seconds",
-          {{"one_thread", timing_json(m.one_thread)}, {"all_threads", timing_json(m.all_threads)}}},
+         {"seconds", timings_json(m.one_thread, m.all_threads)},
          {"surface_display",
           {{"rmse", m.rmse}, {"max_sampled", m.max_sampled}, {"max_bound", m.max_bound}}}});
   json["pictures"] = Json::array();
   for (const FrameRun& f : run.frames)
-    json["pictures"].push_back(
-        {{"width", f.width},
-         {"height", f.height},
-         {"lit_pixels", f.n_covered},
-         {"per_vertex",
-          {{"one_thread", timing_json(f.per_vertex_one_thread)}, {"all_threads", timing_json(f.per_vertex)}}},
-         {"per_fragment",
-          {{"one_thread", timing_json(f.per_fragment_one_thread)},
-           {"all_threads", timing_json(f.per_fragment)}}}});
+    json["pictures"].push_back({{"width", f.width},
+                                {"height", f.height},
+                                {"lit_pixels", f.n_covered},
+                                {"per_vertex", timings_json(f.per_vertex_one_thread, f.per_vertex)},
+                                {"per_fragment", timings_json(f.per_fragment_one_thread, f.per_fragment)}});
   json["over_lights"] = Json::array();
   for (const LightsRun& l : run.lights)
     json["over_lights"].push_back({{"lights", l.n_lights},
@@ -237,14 +225,13 @@ std::string chart_json(const ChartRun& run) {
                                    {"per_fragment", timing_json(l.per_fragment)}});
   json["left_out"] = run.left_out;
   json["seconds"] = run.seconds;
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+  return json_text(json) + '\n';
 }
 
 std::string chart_csv(const ChartRun& run) {
   std::string csv =
-      "method,variant,vertices,triangles,bytes,seconds_one_thread,seconds_all_threads,low_quartile,high_"
-      "quartile,"
-      "repeats,rmse_display,max_sampled_display,max_bound_display\r\n";
+      "method,variant,vertices,triangles,bytes,seconds_one_thread,seconds_all_threads,low_quartile,"
+      "high_quartile,repeats,rmse_display,max_sampled_display,max_bound_display\r\n";
   for (const MethodRun& m : run.methods)
     csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{}\r\n", csv_field(m.method),
                        csv_field(m.variant), m.n_vertices, m.n_triangles, m.bytes, m.one_thread.median,
@@ -259,44 +246,22 @@ std::string chart_csv(const ChartRun& run) {
 }
 
 Chart speed_chart(const ChartRun& run) {
-  Chart chart{"speed",
-              "Time against typical error",
-              time_axis(time_of_bake(run)),
-              number_axis("RMSE on the surface, on screen, steps of 1/255"),
-              {},
-              {},
-              true};
-  chart.series = series_by_method(run, [](const MethodRun& m) {
-    return std::optional(point_of(m.all_threads, m.rmse * 255, label_of(m)));
-  });
-  add_frames(chart, run);
-  return chart;
+  return time_chart(run, "speed", "Time against typical error",
+                    "RMSE on the surface, on screen, steps of 1/255",
+                    [](const MethodRun& m) { return std::optional(m.rmse); });
 }
 
 Chart bound_chart(const ChartRun& run) {
-  Chart chart{"bound",
-              "Time against largest error",
-              time_axis(time_of_bake(run)),
-              number_axis("certified largest error, on screen, steps of 1/255"),
-              {},
-              {},
-              true};
-  chart.series = series_by_method(run, [](const MethodRun& m) -> std::optional<ChartPoint> {
-    if (!std::isfinite(m.max_bound)) return std::nullopt;
-    return point_of(m.all_threads, m.max_bound * 255, label_of(m));
+  return time_chart(run, "bound", "Time against largest error", bound_axis, [](const MethodRun& m) {
+    return std::isfinite(m.max_bound) ? std::optional(m.max_bound) : std::nullopt;
   });
-  add_frames(chart, run);
-  return chart;
 }
 
 Chart lights_chart(const ChartRun& run) {
-  Chart chart{"over-lights",
-              "Time over the number of lights",
-              number_axis("lamps around the model"),
-              time_axis("time"),
-              {},
-              {},
-              false};
+  Chart chart{.id = "over-lights",
+              .title = "Time over the number of lights",
+              .x = {"lamps around the model", short_number},
+              .y = {"time", duration}};
   ChartSeries vertex{"per vertex: one bake", {}, true},
       fragment{"per pixel: one picture of 1280×720", {}, true};
   for (const LightsRun& l : run.lights) {
@@ -313,13 +278,11 @@ Chart lights_chart(const ChartRun& run) {
 }
 
 Chart vertices_chart(const ChartRun& run) {
-  Chart chart{"over-vertices",
-              "Largest error over the number of vertices",
-              number_axis("vertices"),
-              number_axis("certified largest error, on screen, steps of 1/255"),
-              {},
-              {},
-              true};
+  Chart chart{.id = "over-vertices",
+              .title = "Largest error over the number of vertices",
+              .x = {"vertices", short_number},
+              .y = {bound_axis, short_number},
+              .has_front = true};
   chart.series = series_by_method(run, [](const MethodRun& m) -> std::optional<ChartPoint> {
     // Normals and storage change the error, not the number of vertices.
     if (!std::isfinite(m.max_bound) || m.variant.starts_with("normals") || m.variant.starts_with("stored"))
@@ -341,34 +304,31 @@ Chart vertices_chart(const ChartRun& run) {
 }
 
 std::string chart_page(const ChartRun& run) {
-  std::string main = chart_section(speed_chart(run),
-                                   "Left is faster, lower is closer to light per pixel. Filled marks are on "
-                                   "the front: nothing else measured is "
-                                   "both faster and closer. The bars are the quartiles of the repeats. At 0: "
-                                   "what a picture costs that is lit "
-                                   "per pixel.");
+  constexpr const char* how_to_read =
+      "Left is faster, lower is closer to light per pixel. Filled marks are on the front: nothing else "
+      "measured is both faster and closer. The bars are the quartiles of the repeats. At 0: what a picture "
+      "costs that is lit per pixel.";
+  std::string main = chart_section(speed_chart(run), how_to_read);
   main += chart_section(
       bound_chart(run),
-      "The same with the largest error anywhere on the surface, certified: it is never below the "
-      "truth.");
+      "The same with the largest error anywhere on the surface, certified: it is never below the truth.");
   if (!run.lights.empty()) {
     const std::optional<ChartPoint> p = crossing(run);
-    const bool vertex_wins = run.lights.back().per_vertex.median < run.lights.back().per_fragment.median;
+    const LightsRun& last = run.lights.back();
     main += chart_section(
         lights_chart(run),
         p ? fmt::format("Both cost the same at about {} lights.", short_number(std::round(p->x)))
           : fmt::format("The lines do not cross: {} is cheaper for every number measured.",
-                        vertex_wins ? "one bake" : "one picture"));
+                        last.per_vertex.median < last.per_fragment.median ? "one bake" : "one picture"));
   }
   main += chart_section(
       vertices_chart(run),
       "Where light is smooth an even finer mesh errs with h², the square of its edge length; across "
       "a terminator only with h. Cutting there beats both.");
-  main += methods_section(run);
+  main += methods_section(run) + frames_section(run);
   std::string time = duration(run.seconds);
   if (!run.left_out.empty())
-    time += fmt::format("; the budget left out {}",
-                        escape_html(fmt::format("{}", fmt::join(run.left_out, "; "))));
+    time += "; the budget left out " + escape_html(fmt::format("{}", fmt::join(run.left_out, "; ")));
   main += made_section(run.command, run.version, time);
   return page_frame(run.input + " · lambake chart", header(run), main);
 }

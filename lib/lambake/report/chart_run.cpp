@@ -31,15 +31,7 @@ struct Variant {
 };
 
 std::size_t bytes_of(ColorStorage color) {
-  switch (color) {
-    case ColorStorage::u8:
-      return 4;
-    case ColorStorage::u16:
-      return 8;
-    case ColorStorage::f32:
-      return 12;
-  }
-  return 0;
+  return color == ColorStorage::u8 ? 4 : color == ColorStorage::u16 ? 8 : 12;
 }
 
 BakedColors bake_with_normals(const Scene& scene, const std::function<VertexNormals(const Mesh&)>& normals) {

@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <glm/glm.hpp>
 #include <iterator>
 #include <limits>
 #include <numeric>
 #include <string_view>
+#include <utility>
 
 #include "lambake/report/page_assets.h"
 #include "lambake/report/text.h"
@@ -96,26 +96,24 @@ std::vector<double> ticks_of(const Scale& scale, std::size_t most) {
 }
 
 std::string mark_path(std::size_t kind, double x, double y) {
-  const double r = mark_radius;
-  switch (kind % n_kinds) {
-    case 0:
-      return fmt::format("M{:.1f} {:.1f}a{r} {r} 0 1 0 {d} 0a{r} {r} 0 1 0 -{d} 0z", x - r, y,
-                         fmt::arg("r", r), fmt::arg("d", 2 * r));
-    case 1:
-      return fmt::format("M{:.1f} {:.1f}h9v9h-9z", x - 4.5, y - 4.5);
-    case 2:
-      return fmt::format("M{:.1f} {:.1f}l6 10h-12z", x, y - 6);
-    case 3:
-      return fmt::format("M{:.1f} {:.1f}l6 6l-6 6l-6 -6z", x, y - 6);
-    case 4:
-      return fmt::format("M{:.1f} {:.1f}l-6 -10h12z", x, y + 6);
-    case 5:
-      return fmt::format("M{:.1f} {:.1f}h4v4h4v4h-4v4h-4v-4h-4v-4h4z", x - 2, y - 6);
-    case 6:
-      return fmt::format("M{:.1f} {:.1f}l6 4.4l-2.3 7h-7.4l-2.3 -7z", x, y - 6);
-    default:
-      return fmt::format("M{:.1f} {:.1f}h12v5h-12z", x - 6, y - 2.5);
-  }
+  struct Mark {
+    double x, y;  ///< Where the outline begins, from the middle.
+    const char* outline;
+  };
+  constexpr Mark marks[n_kinds] = {{-5, 0, "a5 5 0 1 0 10 0a5 5 0 1 0 -10 0z"},
+                                   {-4.5, -4.5, "h9v9h-9z"},
+                                   {0, -6, "l6 10h-12z"},
+                                   {0, -6, "l6 6l-6 6l-6 -6z"},
+                                   {0, 6, "l-6 -10h12z"},
+                                   {-2, -6, "h4v4h4v4h-4v4h-4v-4h-4v-4h4z"},
+                                   {0, -6, "l6 4.4l-2.3 7h-7.4l-2.3 -7z"},
+                                   {-6, -2.5, "h12v5h-12z"}};
+  const Mark& mark = marks[kind % n_kinds];
+  return fmt::format("M{:.1f} {:.1f}{}", x + mark.x, y + mark.y, mark.outline);
+}
+
+bool has_spread(const ChartPoint& p) {
+  return p.x_low > 0 && p.x_high > 0;
 }
 
 /// Where a label stands, and whether a line must lead to its point. The side towards the point is exact, as
@@ -162,6 +160,187 @@ Placed place_label(const Box& mark, std::string_view text, const Box& plot, cons
   return best;
 }
 
+/// A chart while it is drawn, from the back to the front.
+class ChartDrawing {
+ public:
+  ChartDrawing(const Chart& chart, double width, double height)
+      : chart_(chart), width_(width), height_(height) {
+    std::vector<ChartPoint> compared;  // As good as nothing where the series takes no part.
+    for (const ChartSeries& series : chart.series)
+      for (const ChartPoint& p : series.points) {
+        points_.push_back(p);
+        compared.push_back({p.x, series.is_compared ? p.y : std::numeric_limits<double>::infinity()});
+      }
+    if (chart.has_front) front_ = pareto_front(compared);
+  }
+
+  std::string svg(bool is_standalone) {
+    begin(is_standalone);
+    place_plot(draw_legend());
+    draw_axes();
+    draw_guides();
+    draw_front();
+    draw_series();
+    draw_labels();
+    return svg_ + "</svg>\n";
+  }
+
+ private:
+  template <typename... Values>
+  void add(fmt::format_string<Values...> format, Values&&... values) {
+    fmt::format_to(std::back_inserter(svg_), format, std::forward<Values>(values)...);
+  }
+  double y_at(double y) const { return y > 0 ? y_scale_(y) : plot_.y1 - zero_strip_ / 2 + 4; }
+  bool is_on_front(std::size_t point) const {
+    return std::find(front_.begin(), front_.end(), point) != front_.end();
+  }
+  Placed place(const Box& mark, const std::string& text) {
+    const Placed at = place_label(mark, text, plot_, taken_);
+    taken_.push_back(at.box);
+    return at;
+  }
+  void draw_text(const char* css_class, const Placed& at, const std::string& text) {
+    add("<text class=\"{}\" x=\"{:.1f}\" y=\"{:.1f}\"{}>{}</text>\n", css_class, at.anchor_x, at.box.y1 - 2.5,
+        at.anchor, escape_html(text));
+  }
+
+  void begin(bool is_standalone) {
+    const std::string size =
+        is_standalone ? fmt::format(" width=\"{}\" height=\"{}\"", width_, height_) : std::string();
+    add("<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"chart\" viewBox=\"0 0 {0} {1}\"{2} role=\"img\" "
+        "aria-labelledby=\"{3}-title\">\n<title id=\"{3}-title\">{4}</title>\n",
+        width_, height_, size, chart_.id, escape_html(chart_.title));
+    if (is_standalone)
+      add("<style>\n{}</style>\n<rect class=\"paper\" width=\"{}\" height=\"{}\"/>\n", page_assets::chart_css,
+          width_, height_);
+  }
+
+  /// As many lines as it needs; returns where the last one stands.
+  double draw_legend() {
+    double x = 12, y = 18;
+    for (std::size_t kind = 0; kind < chart_.series.size(); ++kind) {
+      const std::string& name = chart_.series[kind].name;
+      const double w = 20 + width_of(name);
+      if (x + w > width_ && x > 12) x = 12, y += 20;
+      add("<path class=\"mark kind-{}\" d=\"{}\"/><text x=\"{:.1f}\" y=\"{:.1f}\">{}</text>\n",
+          kind % n_kinds, mark_path(kind, x + 6, y - 4.5), x + 17, y, escape_html(name));
+      x += w + 14;
+    }
+    return y;
+  }
+
+  void place_plot(double legend_bottom) {
+    std::vector<double> xs, ys;
+    for (const ChartPoint& p : points_) {
+      xs.insert(xs.end(), {p.x, p.x_low, p.x_high});
+      ys.push_back(p.y);
+      if (!(p.y > 0)) zero_strip_ = 30;
+    }
+    for (const ChartGuide& g : chart_.guides) {
+      xs.insert(xs.end(), {g.x0, g.x1});
+      ys.insert(ys.end(), {g.y0, g.y1});
+    }
+    plot_ = {64, legend_bottom + 42, width_ - 30, height_ - 50};
+    x_scale_ = scale_over(xs, plot_.x0, plot_.x1);
+    y_scale_ = scale_over(ys, plot_.y1 - zero_strip_, plot_.y0);
+    for (const ChartPoint& p : points_) {
+      const double x = x_scale_(p.x), y = y_at(p.y), r = p.is_emphasised ? 12 : mark_radius + 2;
+      marks_.push_back({std::min(x - r, has_spread(p) ? x_scale_(p.x_low) : x), y - r,
+                        std::max(x + r, has_spread(p) ? x_scale_(p.x_high) : x), y + r});
+    }
+    taken_ = marks_;
+  }
+
+  void draw_axes() {
+    add("<text class=\"axis-name\" x=\"4\" y=\"{:.1f}\">{}</text>\n", plot_.y0 - 14,
+        escape_html(chart_.y.label));
+    add("<text class=\"axis-name\" x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"end\">{}</text>\n", plot_.x1,
+        height_ - 8, escape_html(chart_.x.label));
+    const auto draw_row = [&](const char* css_class, double y, double text_y, const std::string& text) {
+      add("<path class=\"{}\" d=\"M{} {:.1f}H{}\"/><text x=\"{}\" y=\"{:.1f}\" "
+          "text-anchor=\"end\">{}</text>\n",
+          css_class, plot_.x0, y, plot_.x1, plot_.x0 - 7, text_y, text);
+    };
+    for (const double tick : ticks_of(y_scale_, 9))
+      draw_row("axis", y_scale_(tick), y_scale_(tick) + 4.5, escape_html(chart_.y.format(tick)));
+    if (zero_strip_ > 0) draw_row("axis zero", y_at(0), y_at(0) + 4.5, "0");
+    for (const double tick : ticks_of(x_scale_, static_cast<std::size_t>((plot_.x1 - plot_.x0) / 62)))
+      add("<path class=\"axis\" d=\"M{x:.1f} {}V{}\"/><text x=\"{x:.1f}\" y=\"{}\" "
+          "text-anchor=\"middle\">{}</text>\n",
+          plot_.y0, plot_.y1, plot_.y1 + 18, escape_html(chart_.x.format(tick)),
+          fmt::arg("x", x_scale_(tick)));
+  }
+
+  void draw_guides() {
+    for (const ChartGuide& g : chart_.guides) {
+      const double x0 = x_scale_(g.x0), y0 = y_scale_(g.y0), x1 = x_scale_(g.x1), y1 = y_scale_(g.y1);
+      add("<path class=\"guide\" d=\"M{:.1f} {:.1f}L{:.1f} {:.1f}\"/>\n", x0, y0, x1, y1);
+      draw_text("guide-name", place({x1, y1, x1, y1}, g.label), g.label);
+    }
+  }
+
+  void draw_front() {
+    if (front_.size() < 2) return;
+    std::string path;
+    for (const std::size_t i : front_)
+      path += fmt::format("{}{:.1f} {:.1f}", path.empty() ? 'M' : 'L', x_scale_(points_[i].x),
+                          y_at(points_[i].y));
+    add("<path class=\"front\" d=\"{}\"/>\n", path);
+  }
+
+  void draw_series() {
+    std::size_t index = 0;
+    for (std::size_t kind = 0; kind < chart_.series.size(); ++kind) {
+      const ChartSeries& series = chart_.series[kind];
+      std::string path, marks;
+      for (const ChartPoint& p : series.points) {
+        const double x = x_scale_(p.x), y = y_at(p.y);
+        path += fmt::format("{}{:.1f} {:.1f}", path.empty() ? 'M' : 'L', x, y);
+        if (has_spread(p))
+          marks += fmt::format("<path class=\"spread kind-{}\" d=\"M{:.1f} {:.1f}H{:.1f}\"/>\n",
+                               kind % n_kinds, x_scale_(p.x_low), y, x_scale_(p.x_high));
+        if (p.is_emphasised)
+          marks += fmt::format("<circle class=\"ring\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"11\"/>\n", x, y);
+        const bool is_hollow = chart_.has_front && !is_on_front(index);
+        marks += fmt::format("<path class=\"mark kind-{}{}\" d=\"{}\"/>\n", kind % n_kinds,
+                             is_hollow ? " hollow" : "", mark_path(kind, x, y));
+        ++index;
+      }
+      if (series.is_line && series.points.size() > 1)
+        add("<path class=\"line kind-{}\" d=\"{}\"/>\n", kind % n_kinds, path);
+      svg_ += marks;
+    }
+  }
+
+  void draw_labels() {
+    // Those of the front first: they get the best places.
+    std::vector<std::size_t> order = front_;
+    for (std::size_t i = 0; i < points_.size(); ++i)
+      if (!is_on_front(i)) order.push_back(i);
+    for (const std::size_t i : order) {
+      const ChartPoint& p = points_[i];
+      if (p.label.empty()) continue;
+      const Placed at = place(marks_[i], p.label);
+      const double x = x_scale_(p.x), y = y_at(p.y);
+      if (at.is_far)
+        add("<path class=\"leader\" d=\"M{:.1f} {:.1f}L{:.1f} {:.1f}\"/>\n", x, y,
+            std::clamp(x, at.box.x0, at.box.x1), std::clamp(y, at.box.y0, at.box.y1));
+      draw_text("label", at, p.label);
+    }
+  }
+
+  const Chart& chart_;
+  double width_, height_;
+  std::vector<ChartPoint> points_;  ///< Of all series, in their order.
+  std::vector<std::size_t> front_;  ///< Into `points_`, by increasing x.
+  Box plot_{};                      ///< Between the axes.
+  double zero_strip_ = 0;           ///< Height of the strip for points at 0, at the plot's bottom.
+  Scale x_scale_, y_scale_;
+  std::vector<Box> marks_;  ///< One per point, with its spread.
+  std::vector<Box> taken_;  ///< Where no text may stand.
+  std::string svg_;
+};
+
 }  // namespace
 
 std::vector<std::size_t> pareto_front(const std::vector<ChartPoint>& points) {
@@ -178,139 +357,7 @@ std::vector<std::size_t> pareto_front(const std::vector<ChartPoint>& points) {
 }
 
 std::string chart_svg(const Chart& chart, double width, double height, bool is_standalone) {
-  std::vector<ChartPoint> all, compared;
-  std::vector<std::size_t> compared_indices;  // Into `all`.
-  std::vector<double> xs, ys;
-  bool has_zero = false;
-  for (const ChartSeries& series : chart.series)
-    for (const ChartPoint& p : series.points) {
-      if (series.is_compared) compared.push_back(p), compared_indices.push_back(all.size());
-      all.push_back(p);
-      xs.insert(xs.end(), {p.x, p.x_low, p.x_high});
-      ys.push_back(p.y);
-      has_zero |= !(p.y > 0);
-    }
-  for (const ChartGuide& g : chart.guides) {
-    xs.insert(xs.end(), {g.x0, g.x1});
-    ys.insert(ys.end(), {g.y0, g.y1});
-  }
-  std::string svg = fmt::format(
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"chart\" viewBox=\"0 0 {0} {1}\"{2} role=\"img\" "
-      "aria-labelledby=\"{3}-title\">\n<title id=\"{3}-title\">{4}</title>\n",
-      width, height,
-      is_standalone ? fmt::format(" width=\"{}\" height=\"{}\"", width, height) : std::string(), chart.id,
-      escape_html(chart.title));
-  auto out = std::back_inserter(svg);
-  if (is_standalone)
-    fmt::format_to(out, "<style>\n{}</style>\n<rect class=\"paper\" width=\"{}\" height=\"{}\"/>\n",
-                   page_assets::chart_css, width, height);
-
-  // The legend, as many lines as it needs.
-  double legend_x = 12, legend_y = 18;
-  for (std::size_t kind = 0; kind < chart.series.size(); ++kind) {
-    const std::string& name = chart.series[kind].name;
-    const double w = 20 + width_of(name);
-    if (legend_x + w > width && legend_x > 12) legend_x = 12, legend_y += 20;
-    fmt::format_to(out, "<path class=\"mark kind-{}\" d=\"{}\"/><text x=\"{:.1f}\" y=\"{:.1f}\">{}</text>\n",
-                   kind % n_kinds, mark_path(kind, legend_x + 6, legend_y - 4.5), legend_x + 17, legend_y,
-                   escape_html(name));
-    legend_x += w + 14;
-  }
-
-  const double strip = has_zero ? 30 : 0;
-  const Box plot{64, legend_y + 42, width - 30, height - 50};
-  const Scale x_scale = scale_over(xs, plot.x0, plot.x1);
-  const Scale y_scale = scale_over(ys, plot.y1 - strip, plot.y0);
-  const auto y_at = [&](double y) { return y > 0 ? y_scale(y) : plot.y1 - strip / 2 + 4; };
-
-  // Axes.
-  fmt::format_to(out, "<text class=\"axis-name\" x=\"4\" y=\"{:.1f}\">{}</text>\n", plot.y0 - 14,
-                 escape_html(chart.y.label));
-  fmt::format_to(out, "<text class=\"axis-name\" x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"end\">{}</text>\n",
-                 plot.x1, height - 8, escape_html(chart.x.label));
-  const auto n_x = static_cast<std::size_t>((plot.x1 - plot.x0) / 62), n_y = std::size_t{9};
-  for (const double tick : ticks_of(y_scale, n_y))
-    fmt::format_to(out,
-                   "<path class=\"axis\" d=\"M{} {y:.1f}H{}\"/><text x=\"{}\" y=\"{:.1f}\" "
-                   "text-anchor=\"end\">{}</text>\n",
-                   plot.x0, plot.x1, plot.x0 - 7, y_scale(tick) + 4.5, escape_html(chart.y.format(tick)),
-                   fmt::arg("y", y_scale(tick)));
-  if (has_zero)
-    fmt::format_to(out,
-                   "<path class=\"axis zero\" d=\"M{} {y:.1f}H{}\"/><text x=\"{}\" y=\"{:.1f}\" "
-                   "text-anchor=\"end\">0</text>\n",
-                   plot.x0, plot.x1, plot.x0 - 7, y_at(0) + 4.5, fmt::arg("y", y_at(0)));
-  for (const double tick : ticks_of(x_scale, n_x))
-    fmt::format_to(out,
-                   "<path class=\"axis\" d=\"M{x:.1f} {}V{}\"/><text x=\"{x:.1f}\" y=\"{}\" "
-                   "text-anchor=\"middle\">{}</text>\n",
-                   plot.y0, plot.y1, plot.y1 + 18, escape_html(chart.x.format(tick)),
-                   fmt::arg("x", x_scale(tick)));
-
-  // Lines below marks below labels.
-  std::vector<Box> taken;
-  for (const ChartPoint& p : all) {
-    const double x = x_scale(p.x), y = y_at(p.y), r = p.is_emphasised ? 12 : mark_radius + 2;
-    const bool has_spread = p.x_low > 0 && p.x_high > 0;
-    taken.push_back({std::min(x - r, has_spread ? x_scale(p.x_low) : x), y - r,
-                     std::max(x + r, has_spread ? x_scale(p.x_high) : x), y + r});
-  }
-  const std::vector<Box> marks_taken = taken;
-  for (const ChartGuide& g : chart.guides) {
-    const double x0 = x_scale(g.x0), y0 = y_scale(g.y0), x1 = x_scale(g.x1), y1 = y_scale(g.y1);
-    fmt::format_to(out, "<path class=\"guide\" d=\"M{:.1f} {:.1f}L{:.1f} {:.1f}\"/>\n", x0, y0, x1, y1);
-    const Placed at = place_label({x1, y1, x1, y1}, g.label, plot, taken);
-    taken.push_back(at.box);
-    fmt::format_to(out, "<text class=\"guide-name\" x=\"{:.1f}\" y=\"{:.1f}\"{}>{}</text>\n", at.anchor_x,
-                   at.box.y1 - 2.5, at.anchor, escape_html(g.label));
-  }
-  std::vector<std::size_t> front;
-  if (chart.has_front)
-    for (const std::size_t i : pareto_front(compared)) front.push_back(compared_indices[i]);
-  if (front.size() > 1) {
-    std::string path;
-    for (const std::size_t i : front)
-      path += fmt::format("{}{:.1f} {:.1f}", path.empty() ? 'M' : 'L', x_scale(all[i].x), y_at(all[i].y));
-    fmt::format_to(out, "<path class=\"front\" d=\"{}\"/>\n", path);
-  }
-  std::size_t index = 0;
-  for (std::size_t kind = 0; kind < chart.series.size(); ++kind) {
-    const ChartSeries& series = chart.series[kind];
-    std::string path, marks;
-    for (const ChartPoint& p : series.points) {
-      const double x = x_scale(p.x), y = y_at(p.y);
-      path += fmt::format("{}{:.1f} {:.1f}", path.empty() ? 'M' : 'L', x, y);
-      if (p.x_low > 0 && p.x_high > 0)
-        marks += fmt::format("<path class=\"spread kind-{}\" d=\"M{:.1f} {:.1f}H{:.1f}\"/>\n", kind % n_kinds,
-                             x_scale(p.x_low), y, x_scale(p.x_high));
-      if (p.is_emphasised)
-        marks += fmt::format("<circle class=\"ring\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"11\"/>\n", x, y);
-      const bool is_hollow = chart.has_front && std::find(front.begin(), front.end(), index) == front.end();
-      marks += fmt::format("<path class=\"mark kind-{}{}\" d=\"{}\"/>\n", kind % n_kinds,
-                           is_hollow ? " hollow" : "", mark_path(kind, x, y));
-      ++index;
-    }
-    if (series.is_line && series.points.size() > 1)
-      fmt::format_to(out, "<path class=\"line kind-{}\" d=\"{}\"/>\n", kind % n_kinds, path);
-    svg += marks;
-  }
-  // Labels of the front first: they get the best places.
-  std::vector<std::size_t> order = front;
-  for (std::size_t i = 0; i < all.size(); ++i)
-    if (std::find(front.begin(), front.end(), i) == front.end()) order.push_back(i);
-  for (const std::size_t i : order) {
-    const ChartPoint& p = all[i];
-    if (p.label.empty()) continue;
-    const Placed at = place_label(marks_taken[i], p.label, plot, taken);
-    taken.push_back(at.box);
-    const double x = x_scale(p.x), y = y_at(p.y);
-    if (at.is_far)
-      fmt::format_to(out, "<path class=\"leader\" d=\"M{:.1f} {:.1f}L{:.1f} {:.1f}\"/>\n", x, y,
-                     std::clamp(x, at.box.x0, at.box.x1), std::clamp(y, at.box.y0, at.box.y1));
-    fmt::format_to(out, "<text class=\"label\" x=\"{:.1f}\" y=\"{:.1f}\"{}>{}</text>\n", at.anchor_x,
-                   at.box.y1 - 2.5, at.anchor, escape_html(p.label));
-  }
-  return svg + "</svg>\n";
+  return ChartDrawing(chart, width, height).svg(is_standalone);
 }
 
 std::string responsive_chart_svg(const Chart& chart) {

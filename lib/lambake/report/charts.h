@@ -40,10 +40,10 @@ struct Chart {
   std::string id;     ///< Unique in a page; letters, digits, hyphens.
   std::string title;  ///< Also what a screen reader says.
   ChartAxis x, y;
-  std::vector<ChartSeries> series;
-  std::vector<ChartGuide> guides;
-  bool has_front =
-      false;  ///< Draws the Pareto front: points that no other beats in both x and y, small is good.
+  std::vector<ChartSeries> series{};
+  std::vector<ChartGuide> guides{};
+  /// Draws the Pareto front: points that no other beats in both x and y, small is good.
+  bool has_front = false;
 };
 
 /// SVG of `width`×`height` units; letters are 13 units high. Every text keeps clear of the marks and of the

@@ -27,14 +27,13 @@ constexpr std::array<std::array<double, 3>, 9> diverging = {{{8, 48, 107},
                                                              {103, 0, 13}}};
 constexpr Srgb8 nonfinite{255, 0, 255};
 
-double on_screen(float linear) {
-  return srgb_encode(std::clamp(static_cast<double>(linear), 0.0, 1.0));
-}
-
 double largest_difference(const LinearRgb& test, const LinearRgb& reference) {
   if (!is_finite(test) || !is_finite(reference)) return NAN;
-  const double d[3] = {on_screen(test.r) - on_screen(reference.r), on_screen(test.g) - on_screen(reference.g),
-                       on_screen(test.b) - on_screen(reference.b)};
+  const auto difference = [](double a, double b) {
+    return compared(a, ErrorSpace::display) - compared(b, ErrorSpace::display);
+  };
+  const double d[3] = {difference(test.r, reference.r), difference(test.g, reference.g),
+                       difference(test.b, reference.b)};
   return *std::max_element(d, d + 3, [](double a, double b) { return std::abs(a) < std::abs(b); });
 }
 

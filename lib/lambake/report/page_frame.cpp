@@ -42,8 +42,7 @@ std::string page_frame(const std::string& title, const std::string& header, cons
 }
 
 std::string made_section(const std::string& command, const std::string& version, const std::string& time) {
-  std::string html =
-      "<section aria-labelledby=\"made\">\n<h2 id=\"made\">How this was made</h2>\n<dl class=\"made\">\n";
+  std::string html = section_begin("made", "How this was made") + "<dl class=\"made\">\n";
   const auto row = [&](const char* name, const std::string& value) {
     html += fmt::format("<dt>{}</dt><dd>{}</dd>\n", name, value);
   };
@@ -51,6 +50,37 @@ std::string made_section(const std::string& command, const std::string& version,
   row("Version", "lambake " + escape_html(version));
   if (!time.empty()) row("Time", time);
   return html + "</dl>\n</section>\n";
+}
+
+std::string section_begin(std::string_view id, std::string_view heading) {
+  return fmt::format("<section aria-labelledby=\"{0}\">\n<h2 id=\"{0}\">{1}</h2>\n", id, heading);
+}
+
+std::string table_head(std::initializer_list<Column> columns, CellKind kind) {
+  std::string html = "<thead><tr>";
+  for (const Column& column : columns)
+    html += fmt::format("<th scope=\"col\"{}>{}</th>",
+                        kind == CellKind::number && &column != columns.begin() ? " class=\"n\"" : "",
+                        column.head);
+  return html + "</tr></thead>\n<tbody>\n";
+}
+
+std::string stacked_table(std::initializer_list<Column> columns, CellKind kind,
+                          const std::vector<std::vector<std::string>>& rows) {
+  std::string html = "<table class=\"table stacked\">\n" + table_head(columns, kind);
+  for (const std::vector<std::string>& row : rows) {
+    html += fmt::format("<tr><th scope=\"row\" data-label=\"{}\">{}</th>", columns.begin()->label, row[0]);
+    for (std::size_t c = 1; c < row.size(); ++c)
+      html += fmt::format("<td{} data-label=\"{}\">{}</td>", kind == CellKind::number ? " class=\"n\"" : "",
+                          columns.begin()[c].label, row[c]);
+    html += "</tr>\n";
+  }
+  return html + "</tbody>\n</table>\n";
+}
+
+std::string bar_cell(double percent, std::string_view text) {
+  return fmt::format("<td><span class=\"share\"><i style=\"width:{:.2f}%\"></i></span>{}</td>", percent,
+                     text);
 }
 
 std::string count_of(std::size_t n, const char* singular, const char* plural) {

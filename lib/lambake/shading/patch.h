@@ -12,6 +12,11 @@
 
 namespace lambake {
 
+/// A colour as what follows has it.
+inline glm::dvec3 to_double(const LinearRgb& c) {
+  return {c.r, c.g, c.b};
+}
+
 /// What is linear over a triangle, in double: column i of a matrix belongs to corner i, so that
 /// `positions * b` is the position at the barycentrics b. A part of a triangle is again a Patch, with the
 /// interpolated values of the whole one at its corners (normals as interpolated: their length counts).
@@ -64,10 +69,8 @@ inline glm::dvec3 reference_at(const Patch& patch, std::span<const Light> all,
   if (!(length > 0)) return glm::dvec3(0);
   normal /= length;
   glm::dvec3 sum(0);
-  for (const std::uint32_t i : lights) {
-    const LinearRgb& intensity = all[i].intensity;
-    sum += glm::dvec3(intensity.r, intensity.g, intensity.b) * received(all[i], position, normal);
-  }
+  for (const std::uint32_t i : lights)
+    sum += to_double(all[i].intensity) * received(all[i], position, normal);
   return albedo * sum;
 }
 

@@ -1,4 +1,6 @@
 // What README.md shows of the library; run.cmake puts its lines into readme_sample.inc. Then a picture.
+#include "installed_headers.inc"
+
 #include <cstdio>
 
 #include "lambake/bake/bake.h"
