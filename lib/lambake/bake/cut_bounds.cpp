@@ -14,6 +14,9 @@ constexpr std::size_t block_size = 64;
 /// Enclosures computed for a triangle at most: a cut is the better way to go on.
 constexpr int max_parts = 400;
 
+/// Where the base colour spans texels, bounds come no nearer to the truth than by about this factor.
+constexpr double tightness_of_texels = 1.15;
+
 }  // namespace
 
 CutBounds::CutBounds(const Scene& scene, const BakeOptions& options, const CutMesh& cut,
@@ -64,6 +67,7 @@ double CutBounds::bound_of(std::uint32_t triangle, BoundOptions how,
   if (area_of(patch) == 0) return 0;
   find_reaching_lights(scene_.lights, patch, lights);
   const FinishRange finish = finishes_.over(cut_.mesh(), triangle);
+  if (finish.base_low != finish.base_high) how.tightness = std::max(how.tightness, tightness_of_texels);
   const double moved = change_by_rounding(triangle, patch, finish);
   for (double* level : {&how.accept, &how.reject}) *level = std::max(*level - moved, 0.5 * *level);
   const double known = bound_patch(patch, finish, scene_.lights, lights, how).bound;

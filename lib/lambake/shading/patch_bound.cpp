@@ -119,8 +119,6 @@ class Bounder {
     const glm::dmat3& a = patch.albedos;
     has_albedo_ = a[0] != a[1] || a[1] != a[2];
     has_texels_ = finish.base_low != finish.base_high;
-    // Of the slope of the screen's curve between the ends of a step.
-    if (has_texels_ && options.space == ErrorSpace::display) looseness_ = std::pow(base_step, 1 - 1 / 2.4);
     for (int c = 0; c < 3; ++c) {
       bool is_new = true;
       for (int i = 0; i < n_channels_; ++i) is_new &= !is_same_channel(c, channels_[i]);
@@ -181,7 +179,7 @@ class Bounder {
   /// sample shows with the worst.
   bool is_good_enough() const {
     return result_.bound <= options_.accept || least_bound_ > options_.reject ||
-           result_.bound <= options_.tightness * looseness_ * least_bound_ + 1e-7;
+           result_.bound <= options_.tightness * least_bound_ + 1e-7;
   }
 
   /// Whether what is seen in channel a is what is seen in channel b, so that one of them is enough.
@@ -408,7 +406,7 @@ class Bounder {
   std::vector<LightBlock> blocks_;
   const BoundOptions& options_;
   bool has_albedo_ = false, has_texels_ = false;
-  double least_bound_ = 0, looseness_ = 1;
+  double least_bound_ = 0;                 ///< See is_good_enough().
   int channels_[3] = {}, n_channels_ = 0;  ///< Those that differ from each other.
   PatchBound result_;
 };
