@@ -10,6 +10,7 @@
 
 #include "lambake/core/bounds.h"
 #include "lambake/core/error.h"
+#include "lambake/core/hash.h"
 #include "lambake/geometry/split_corners.h"
 #include "lambake/io/canonical_file.h"
 #include "lambake/io/canonical_ply.h"
@@ -68,11 +69,9 @@ struct SameValues {
   std::uint64_t hash(const CornerSplitter::Key& key) const {
     std::uint64_t h = key[2];
     if (key[0] != none)
-      for (int c = 0; c < 2; ++c)
-        h = CornerSplitter::mixed(h, std::bit_cast<std::uint32_t>(texcoords[key[0]][c]));
+      for (int c = 0; c < 2; ++c) h = mixed(h, std::bit_cast<std::uint32_t>(texcoords[key[0]][c]));
     if (key[1] != none)
-      for (int c = 0; c < 3; ++c)
-        h = CornerSplitter::mixed(h, std::bit_cast<std::uint32_t>(normals[key[1]][c]));
+      for (int c = 0; c < 3; ++c) h = mixed(h, std::bit_cast<std::uint32_t>(normals[key[1]][c]));
     return h;
   }
   template <typename T>

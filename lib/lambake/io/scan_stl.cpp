@@ -9,9 +9,9 @@
 
 #include "lambake/core/bounds.h"
 #include "lambake/core/error.h"
+#include "lambake/core/value_numbers.h"
 #include "lambake/io/canonical_file.h"
 #include "lambake/io/canonical_ply.h"
-#include "lambake/io/file_color.h"
 #include "lambake/io/input_file.h"
 #include "lambake/io/text_blocks.h"
 #include "lambake/io/text_cursor.h"
@@ -35,7 +35,7 @@ class FacetSink {
     for (std::size_t c = 0; c < 3; ++c) {
       const glm::vec3& p = corners[c];
       const std::size_t n_before = numbers_.size();
-      ids[c] = numbers_.number_of(p.x + 0.0f, p.y + 0.0f, p.z + 0.0f);
+      ids[c] = numbers_.number_of({p.x + 0.0f, p.y + 0.0f, p.z + 0.0f});
       if (numbers_.size() > n_before) vertex_rows_.append(reinterpret_cast<const char*>(&p), sizeof p);
       if (numbers_.size() > std::numeric_limits<std::int32_t>::max())
         throw IoError(
@@ -53,7 +53,7 @@ class FacetSink {
  private:
   const std::string& path_;
   CanonicalFile& file_;
-  ValueNumbers numbers_;
+  ValueNumbers<3> numbers_;
   std::string vertex_rows_, face_rows_;
 };
 
