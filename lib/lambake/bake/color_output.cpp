@@ -12,10 +12,6 @@ namespace {
 
 constexpr std::size_t block_size = 4096;
 
-glm::dvec3 to_double(const LinearRgb& c) {
-  return {c.r, c.g, c.b};
-}
-
 }  // namespace
 
 LinearRgb as_stored(const ColorOutput& output, const LinearRgb& color, const Material& material) {

@@ -313,12 +313,11 @@ ColorOutput new_gltf_output(const Scene& scene, const GltfWriteOptions& options)
   output.shown = [encoding = encoding_of(options)](const LinearRgb& color, const Material& material) {
     const LinearRgb shown = encoded_color(folding_of(material)(color), encoding);
     const LinearRgb unwritten = can_write_emission(material) ? LinearRgb{} : emission_of(material);
-    return glm::dvec3(shown.r, shown.g, shown.b) + glm::dvec3(unwritten.r, unwritten.g, unwritten.b);
+    return to_double(shown) + to_double(unwritten);
   };
-  const std::vector<bool> is_used = used_materials(scene.mesh, scene.materials.size());
-  std::size_t n_unwritten = 0;
-  for (std::size_t m = 0; m < is_used.size(); ++m)
-    n_unwritten += is_used[m] && has_emission(scene.materials[m]) && !can_write_emission(scene.materials[m]);
+  const std::size_t n_unwritten = count_used_materials(scene, [&](std::size_t m) {
+    return has_emission(scene.materials[m]) && !can_write_emission(scene.materials[m]);
+  });
   add_finding(output.gaps, "certificate_not_of_file", n_unwritten,
               "material[ emits|s emit] light that vertex colours cannot hold beside a texture, so that the "
               "file shows less");

@@ -88,12 +88,10 @@ ColorOutput ply_output(const Scene& scene, const PlyWriteOptions& options) {
     LinearRgb color = material.base_color * baked + emission_of(material);
     if (!is_finite(color)) color = {0, 0, 0};
     if (storage == ColorStorage::u8) color = to_linear(to_srgb8(color));
-    return glm::dvec3(color.r, color.g, color.b);
+    return to_double(color);
   };
-  const std::vector<bool> is_used = used_materials(scene.mesh, scene.materials.size());
-  std::size_t n_textured = 0;
-  for (std::size_t m = 0; m < is_used.size(); ++m)
-    n_textured += is_used[m] && has_texture(scene.mesh, scene, scene.materials[m]);
+  const std::size_t n_textured = count_used_materials(
+      scene, [&](std::size_t m) { return has_texture(scene.mesh, scene, scene.materials[m]); });
   add_finding(output.gaps, "certificate_not_of_file", n_textured,
               "material[ has a texture, of which|s have a texture, of which] the file holds what is at the "
               "vertices alone");

@@ -5,13 +5,6 @@
 #include "lambake/core/error.h"
 
 namespace lambake {
-namespace {
-
-glm::dvec3 to_double(const LinearRgb& c) {
-  return {c.r, c.g, c.b};
-}
-
-}  // namespace
 
 ComparedSurface::ComparedSurface(const Scene& scene, const BakedColors& baked)
     : scene_(scene),

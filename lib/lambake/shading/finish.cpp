@@ -8,10 +8,6 @@
 namespace lambake {
 namespace {
 
-glm::dvec3 to_double(const LinearRgb& c) {
-  return {c.r, c.g, c.b};
-}
-
 /// The texels whose values a bilinear look-up within [low, high] can meet, looked up one by one as long as
 /// they are few; otherwise `whole`.
 TexelRange texel_range(const Scene& scene, const Texture& texture, const glm::dvec2& low,
