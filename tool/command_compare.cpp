@@ -147,12 +147,6 @@ int check_thresholds(const std::vector<Threshold>& thresholds, const nlohmann::o
   return exit_code;
 }
 
-void write_text(const std::string& path, const std::string& text) {
-  OutputFile file(path);
-  file.write(text);
-  file.commit();
-}
-
 /// The mesh that carries the colours, each triangle in the colour of its worst difference.
 void write_surface_error(const std::string& path, const Mesh& mesh, const SurfaceError& error, double scale) {
   std::vector<float> steps = error.triangle_worst;
@@ -261,8 +255,8 @@ int compare_and_write(const CompareCommand& command, const std::string& command_
   stopwatch.lap("write");
   comparison.seconds = stopwatch.seconds();
   const std::string report = report_json(comparison);
-  write_text(folder.file("report.json"), report);
-  write_text(folder.file("index.html"), report_page(comparison));
+  write_file(folder.file("report.json"), report);
+  write_file(folder.file("index.html"), report_page(comparison));
   folder.commit();
 
   console.clear_bar();
