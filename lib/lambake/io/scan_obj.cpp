@@ -142,7 +142,7 @@ class ObjScan {
   void scan_vertex(TextCursor& cursor) {
     glm::vec3 p;
     for (int c = 0; c < 3; ++c) p[c] = cursor.number("three numbers after \"v\"");
-    vertex_rows_.append(reinterpret_cast<const char*>(&p), sizeof p);
+    append_values(vertex_rows_, &p);
     ++n_vertices_;
     if (cursor.at_line_end()) {
       if (has_colors_) file_.colors.push_back({1, 1, 1}), ++n_uncolored_;

@@ -36,7 +36,7 @@ class FacetSink {
       const glm::vec3& p = corners[c];
       const std::size_t n_before = numbers_.size();
       ids[c] = numbers_.number_of({p.x + 0.0f, p.y + 0.0f, p.z + 0.0f});
-      if (numbers_.size() > n_before) vertex_rows_.append(reinterpret_cast<const char*>(&p), sizeof p);
+      if (numbers_.size() > n_before) append_values(vertex_rows_, &p);
       if (numbers_.size() > std::numeric_limits<std::int32_t>::max())
         throw IoError(
             path_, fmt::format("facet {}: expected fewer than 2^31 vertices, found more", file_.n_faces + 1));
