@@ -144,17 +144,13 @@ class ObjScan {
     for (int c = 0; c < 3; ++c) p[c] = cursor.number("three numbers after \"v\"");
     append_values(vertex_rows_, &p);
     ++n_vertices_;
-    if (cursor.at_line_end()) {
-      if (has_colors_) file_.colors.push_back({1, 1, 1}), ++n_uncolored_;
-      return;
-    }
-    // Behind the position: w, or r g b, or r g b and alpha.
+    // Behind the position: nothing, w, r g b, or r g b and alpha.
     float extra[4];
     int n = 0;
     while (n < 4 && !cursor.at_line_end()) extra[n++] = cursor.number("a weight or a colour");
     if (!cursor.at_line_end()) cursor.fail("the end of the line", cursor.token());
     if (n == 2) cursor.fail("three numbers of a colour", {});
-    if (n == 1) {
+    if (n < 2) {
       if (has_colors_) file_.colors.push_back({1, 1, 1}), ++n_uncolored_;
       return;
     }
