@@ -7,6 +7,7 @@
 #include "lambake/core/digits.h"
 #include "lambake/core/version.h"
 #include "lambake/io/gltf.h"
+#include "lambake/io/output_file.h"
 #include "lambake/io/output_folder.h"
 #include "lambake/report/chart_report.h"
 #include "options.h"
@@ -45,14 +46,14 @@ int chart_and_write(const ChartCommand& command, const std::string& command_line
 
   OutputFolder folder(command.folder);
   constexpr double width = 1080, height = 640;
-  write_text(folder.file("chart.json"), chart_json(run));
-  write_text(folder.file("chart.csv"), chart_csv(run));
+  write_file(folder.file("chart.json"), chart_json(run));
+  write_file(folder.file("chart.csv"), chart_csv(run));
   for (const auto& [name, chart] : {std::pair{"chart.svg", speed_chart(run)},
                                     {"chart_bound.svg", bound_chart(run)},
                                     {"chart_lights.svg", lights_chart(run)},
                                     {"chart_vertices.svg", vertices_chart(run)}})
-    write_text(folder.file(name), chart_svg(chart, width, height, true));
-  write_text(folder.file("index.html"), chart_page(run));
+    write_file(folder.file(name), chart_svg(chart, width, height, true));
+  write_file(folder.file("index.html"), chart_page(run));
   folder.commit();
 
   if (command.scene.json) {

@@ -13,6 +13,7 @@
 #include "lambake/core/error.h"
 #include "lambake/core/version.h"
 #include "lambake/io/image_file.h"
+#include "lambake/io/output_file.h"
 #include "lambake/io/output_folder.h"
 #include "lambake/io/ply_write.h"
 #include "lambake/measure/bound.h"
@@ -220,8 +221,8 @@ int compare_and_write(const CompareCommand& command, const std::string& command_
   stopwatch.lap("write");
   comparison.seconds = stopwatch.seconds();
   const std::string report = report_json(comparison);
-  write_text(folder.file("report.json"), report);
-  write_text(folder.file("index.html"), report_page(comparison));
+  write_file(folder.file("report.json"), report);
+  write_file(folder.file("index.html"), report_page(comparison));
   folder.commit();
 
   console.clear_bar();

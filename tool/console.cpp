@@ -10,7 +10,6 @@
 
 #include "lambake/core/digits.h"
 #include "lambake/core/error.h"
-#include "lambake/io/output_file.h"
 
 namespace lambake::tool {
 
@@ -41,12 +40,6 @@ void write_result(const std::string& text) {
 
 void flush_results() {
   if (std::fflush(stdout) != 0) throw_lost_result();
-}
-
-void write_text(const std::string& path, const std::string& text) {
-  OutputFile file(path);
-  file.write(text);
-  file.commit();
 }
 
 Console::Console(bool is_quiet) : is_quiet_(is_quiet) {

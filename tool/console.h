@@ -31,9 +31,6 @@ void print_result(fmt::format_string<Values...> format, Values&&... values) {
 /// Writes what standard output holds back. @throws IoError.
 void flush_results();
 
-/// Writes a file. @throws IoError.
-void write_text(const std::string& path, const std::string& text);
-
 /// What the tool says to people, all of it on standard error; standard output is for results.
 class Console {
  public:

@@ -12,15 +12,9 @@ file(WRITE ${FOLDER}/model.ply "ply\nformat ascii 1.0\nelement vertex 4\npropert
      "0 0 0\n0 0 1\n1 0 1\n1 0 0\n4 0 1 2 3\n")
 execute_process(COMMAND ${CMAKE_COMMAND} --install ${BUILD} --prefix ${FOLDER}/prefix
                 OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
-# What the installed headers include is installed too.
-set(includes "")
-foreach(folder IN ITEMS render measure report)
-  file(GLOB headers RELATIVE ${FOLDER}/prefix/include ${FOLDER}/prefix/include/lambake/${folder}/*.h)
-  foreach(header IN LISTS headers)
-    string(APPEND includes "#include \"${header}\"\n")
-  endforeach()
-endforeach()
-file(WRITE ${FOLDER}/installed_headers.inc "${includes}")
+file(GLOB_RECURSE headers RELATIVE ${FOLDER}/prefix/include ${FOLDER}/prefix/include/lambake/*.h)
+list(TRANSFORM headers REPLACE "(.+)" "#include \"\\1\"\n")
+file(WRITE ${FOLDER}/installed_headers.inc ${headers})
 execute_process(COMMAND ${CMAKE_COMMAND} -S ${CONSUMER} -B ${FOLDER}/build -G ${GENERATOR}
                         -DCMAKE_CXX_COMPILER=${COMPILER} -DCMAKE_BUILD_TYPE=${BUILD_TYPE}
                         -DCMAKE_PREFIX_PATH=${FOLDER}/prefix "-DCMAKE_CXX_FLAGS=${FLAGS} -I${FOLDER}"

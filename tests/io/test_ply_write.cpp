@@ -9,6 +9,7 @@
 #include <iterator>
 
 #include "lambake/core/error.h"
+#include "lambake/io/scene_file.h"
 
 namespace lambake {
 namespace {

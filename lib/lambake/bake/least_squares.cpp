@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bit>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -11,6 +11,7 @@
 #include "lambake/core/error.h"
 #include "lambake/core/parallel.h"
 #include "lambake/core/quadrature.h"
+#include "lambake/core/value_numbers.h"
 #include "lambake/geometry/edges.h"
 #include "lambake/shading/patch.h"
 
@@ -34,40 +35,16 @@ struct Unknowns {
 };
 
 Unknowns find_unknowns(const Mesh& mesh) {
-  const auto key = [&](std::uint32_t v) {
+  ValueNumbers<9> numbers;
+  Unknowns unknowns;
+  unknowns.of.reserve(mesh.n_vertices());
+  for (std::size_t v = 0; v < mesh.n_vertices(); ++v) {
+    const glm::vec3 p = mesh.positions[v] + 0.0f, n = mesh.normals[v] + 0.0f;
     const LinearRgb c = mesh.colors.empty() ? LinearRgb{} : mesh.colors[v];
-    const glm::vec3 &p = mesh.positions[v], &n = mesh.normals[v];
-    std::array<std::uint32_t, 9> bits{};
-    const float values[] = {p.x, p.y, p.z, n.x, n.y, n.z, c.r, c.g, c.b};
-    for (std::size_t i = 0; i < 9; ++i) bits[i] = std::bit_cast<std::uint32_t>(values[i] + 0.0f);
-    return bits;
-  };
-  struct Keyed {
-    std::uint64_t hash = 0;  // of the key: it orders nearly all of them
-    std::uint32_t vertex = 0;
-  };
-  std::vector<Keyed> order(mesh.n_vertices());
-  for (std::uint32_t v = 0; v < order.size(); ++v) {
-    order[v].vertex = v;
-    for (const std::uint32_t word : key(v)) {
-      order[v].hash = (order[v].hash ^ word) * 0x9E3779B97F4A7C15U;
-      order[v].hash ^= order[v].hash >> 32;
-    }
+    unknowns.of.push_back(
+        numbers.number_of({p.x, p.y, p.z, n.x, n.y, n.z, c.r + 0.0f, c.g + 0.0f, c.b + 0.0f}));
   }
-  std::sort(order.begin(), order.end(), [&](const Keyed& a, const Keyed& b) {
-    if (a.hash != b.hash) return a.hash < b.hash;
-    const auto ka = key(a.vertex), kb = key(b.vertex);
-    return ka != kb ? ka < kb : a.vertex < b.vertex;
-  });
-  std::vector<std::uint32_t> first(mesh.n_vertices());
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    const std::uint32_t v = order[i].vertex;
-    const bool is_copy = i > 0 && order[i].hash == order[i - 1].hash && key(v) == key(order[i - 1].vertex);
-    first[v] = is_copy ? first[order[i - 1].vertex] : v;
-  }
-  Unknowns unknowns{.of = std::vector<std::uint32_t>(mesh.n_vertices())};
-  for (std::uint32_t v = 0; v < first.size(); ++v)
-    unknowns.of[v] = first[v] == v ? unknowns.count++ : unknowns.of[first[v]];
+  unknowns.count = static_cast<std::uint32_t>(numbers.size());
   return unknowns;
 }
 

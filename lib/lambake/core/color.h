@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <glm/glm.hpp>
 
 namespace lambake {
 
@@ -34,6 +35,10 @@ constexpr LinearRgb operator*(const LinearRgb& a, float s) {
 }
 constexpr LinearRgb operator*(float s, const LinearRgb& a) {
   return a * s;
+}
+
+inline glm::dvec3 to_double(const LinearRgb& c) {
+  return {c.r, c.g, c.b};
 }
 
 inline bool is_finite(const LinearRgb& c) {

@@ -6,31 +6,11 @@
 #include <tuple>
 #include <vector>
 
+#include "lambake/geometry/disjoint_sets.h"
 #include "lambake/geometry/edges.h"
 #include "lambake/geometry/normals.h"
 
 namespace lambake {
-namespace {
-
-/// Disjoint sets of corners.
-class CornerSets {
- public:
-  explicit CornerSets(std::size_t n) : parents_(n) { std::iota(parents_.begin(), parents_.end(), 0U); }
-  std::uint32_t find(std::uint32_t i) {
-    while (parents_[i] != i) i = parents_[i] = parents_[parents_[i]];
-    return i;
-  }
-  /// The smaller root stays, so that the result does not depend on the order.
-  void unite(std::uint32_t a, std::uint32_t b) {
-    a = find(a), b = find(b);
-    parents_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<std::uint32_t> parents_;
-};
-
-}  // namespace
 
 std::size_t split_creases(Mesh& mesh, float crease_angle_rad) {
   const std::vector<glm::vec3> normals = face_normals(mesh);
@@ -38,7 +18,7 @@ std::size_t split_creases(Mesh& mesh, float crease_angle_rad) {
   const float cos_crease = std::cos(crease_angle_rad);
 
   // Corners of faces that meet smoothly at an edge belong together at both of its ends.
-  CornerSets sets(3 * mesh.n_triangles());
+  DisjointSets sets(3 * mesh.n_triangles());
   const std::vector<EdgeSide> sides = sorted_edge_sides(mesh);
   const auto corner_at = [&](const EdgeSide& side, bool at_low) {
     const std::uint32_t next = side.corner / 3 * 3 + (side.corner % 3 + 1) % 3;

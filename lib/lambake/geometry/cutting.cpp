@@ -2,33 +2,22 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <numeric>
 #include <tuple>
+
+#include "lambake/core/value_numbers.h"
 
 namespace lambake {
 namespace {
 
 /// V numbers, equal for vertices at exactly the same position, in the order of their first vertex.
 std::vector<std::uint32_t> find_places(const std::vector<glm::vec3>& positions, std::uint32_t& n_places) {
-  std::vector<std::uint32_t> order(positions.size()), places(positions.size());
-  std::iota(order.begin(), order.end(), 0U);
-  // Compared as bits, with −0 made +0, so that the order is total whatever the numbers are.
-  const auto key = [&](std::uint32_t v) {
-    const glm::vec3 p = positions[v] + 0.0f;
-    return std::array{std::bit_cast<std::uint32_t>(p.x), std::bit_cast<std::uint32_t>(p.y),
-                      std::bit_cast<std::uint32_t>(p.z)};
-  };
-  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-    const auto ka = key(a), kb = key(b);
-    return ka != kb ? ka < kb : a < b;
-  });
-  std::vector<std::uint32_t> first(positions.size());
-  for (std::size_t i = 0; i < order.size(); ++i)
-    first[order[i]] = i > 0 && key(order[i]) == key(order[i - 1]) ? first[order[i - 1]] : order[i];
-  n_places = 0;
-  for (std::size_t v = 0; v < positions.size(); ++v)
-    places[v] = first[v] == v ? n_places++ : places[first[v]];
+  ValueNumbers<3> numbers;
+  std::vector<std::uint32_t> places;
+  places.reserve(positions.size());
+  for (const glm::vec3& p : positions)
+    places.push_back(numbers.number_of({p.x + 0.0f, p.y + 0.0f, p.z + 0.0f}));
+  n_places = static_cast<std::uint32_t>(numbers.size());
   return places;
 }
 

@@ -1,9 +1,7 @@
 #include "lambake/geometry/defects.h"
 
 #include <algorithm>
-#include <array>
 #include <atomic>
-#include <bit>
 #include <cstdint>
 #include <memory>
 #include <numeric>
@@ -11,6 +9,8 @@
 
 #include "lambake/core/bounds.h"
 #include "lambake/core/parallel.h"
+#include "lambake/core/value_numbers.h"
+#include "lambake/geometry/disjoint_sets.h"
 #include "lambake/geometry/normal_sums.h"
 
 namespace lambake {
@@ -160,38 +160,27 @@ std::span<const glm::vec3> source_positions(const Mesh& mesh, std::size_t n_sour
   return storage;
 }
 
-std::uint32_t find_root(std::vector<std::uint32_t>& parents, std::uint32_t i) {
-  while (parents[i] != i) i = parents[i] = parents[parents[i]];
-  return i;
-}
-
 std::size_t count_components(const Mesh& mesh, const std::vector<char>& is_used) {
-  std::vector<std::uint32_t> parents(is_used.size());
-  std::iota(parents.begin(), parents.end(), 0U);
+  DisjointSets sets(is_used.size());
   for (std::size_t f = 0; f < mesh.n_triangles(); ++f) {
     const glm::uvec3 t = source_triangle(mesh, f);
-    for (const std::uint32_t v : {t.y, t.z}) {
-      const std::uint32_t a = find_root(parents, t.x), b = find_root(parents, v);
-      parents[std::max(a, b)] = std::min(a, b);
-    }
+    sets.unite(t.x, t.y);
+    sets.unite(t.x, t.z);
   }
   std::size_t n = 0;
-  for (std::uint32_t v = 0; v < parents.size(); ++v) n += is_used[v] && parents[v] == v;
+  for (std::uint32_t v = 0; v < is_used.size(); ++v) n += is_used[v] && sets.find(v) == v;
   return n;
 }
 
 std::size_t count_duplicate_positions(std::span<const glm::vec3> positions) {
-  // Compared as bits, with −0 made +0, so that the order is total.
-  std::vector<std::array<std::uint32_t, 3>> bits;
-  bits.reserve(positions.size());
-  for (const glm::vec3& p : positions)
-    if (is_finite(p))
-      bits.push_back({std::bit_cast<std::uint32_t>(p.x + 0.0f), std::bit_cast<std::uint32_t>(p.y + 0.0f),
-                      std::bit_cast<std::uint32_t>(p.z + 0.0f)});
-  std::sort(bits.begin(), bits.end());
+  ValueNumbers<3> numbers;
   std::size_t n = 0;
-  for (std::size_t i = 1; i < bits.size(); ++i) n += bits[i] == bits[i - 1];
-  return n;
+  for (const glm::vec3& p : positions) {
+    if (!is_finite(p)) continue;
+    numbers.number_of({p.x + 0.0f, p.y + 0.0f, p.z + 0.0f});
+    ++n;
+  }
+  return n - numbers.size();
 }
 
 }  // namespace

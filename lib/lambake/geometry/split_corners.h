@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "lambake/core/hash.h"
+
 namespace lambake {
 
 /// Gives each corner of a face a vertex whose attributes are its own: the first kind of corner at a vertex
@@ -25,10 +27,6 @@ class CornerSplitter {
       return h;
     }
   };
-  static std::uint64_t mixed(std::uint64_t hash, std::uint32_t word) {
-    hash = (hash ^ word) * 0x9E3779B97F4A7C15U;
-    return hash ^ hash >> 32;
-  }
 
   explicit CornerSplitter(std::size_t n_vertices) : first_(n_vertices, none) {
     kinds_.reserve(n_vertices);  // Most vertices have one.

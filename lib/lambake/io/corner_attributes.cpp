@@ -27,7 +27,7 @@ std::uint32_t CornerAttributes::vertex_for(std::uint32_t vertex, const glm::vec2
   key[3] = material;
   if (has_texcoords_)
     key[0] = std::bit_cast<std::uint32_t>(texcoord.x), key[1] = std::bit_cast<std::uint32_t>(texcoord.y);
-  if (has_colors_) key[2] = color_numbers_.number_of(color.r, color.g, color.b);
+  if (has_colors_) key[2] = color_numbers_.number_of({color.r, color.g, color.b});
   const std::uint32_t id = splitter_.vertex_for(vertex, key);
   const auto set = [id](auto& values, const auto& value) {
     if (id == values.size()) values.push_back(value);

@@ -5,9 +5,10 @@
 #include <glm/glm.hpp>
 #include <string>
 
+#include "lambake/core/color.h"
+#include "lambake/core/value_numbers.h"
 #include "lambake/geometry/split_corners.h"
 #include "lambake/io/canonical_file.h"
-#include "lambake/io/file_color.h"
 
 namespace lambake {
 
@@ -28,7 +29,7 @@ class CornerAttributes {
   CanonicalFile& file_;
   bool has_texcoords_, has_colors_, has_materials_;
   CornerSplitter splitter_;
-  ValueNumbers color_numbers_;
+  ValueNumbers<3> color_numbers_;
 };
 
 /// Gives the file's `copied_vertices` the values of their vertices, in every array that has V values.

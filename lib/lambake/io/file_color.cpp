@@ -1,9 +1,9 @@
 #include "lambake/io/file_color.h"
 
 #include <algorithm>
-#include <bit>
 
 namespace lambake {
+
 bool decode_file_colors(std::vector<LinearRgb>& colors, Findings& findings, ChannelNumbers numbers) {
   std::size_t n_non_finite = 0, n_outside = 0;
   float largest = 0;
@@ -54,42 +54,6 @@ void decode_file_opacities(std::vector<float>& opacities, bool colors_count_to_2
 void tell_unused_face_colors(std::size_t n, Findings& findings) {
   add_finding(findings, "unused_face_colors", n,
               "face[ has|s have] a colour that is not used, as the vertices have some");
-}
-
-namespace {
-constexpr std::uint32_t none = 0xffffffffU;
-}
-
-std::uint32_t ValueNumbers::number_of(float a, float b, float c) {
-  if (4 * values_.size() >= 3 * slots_.size()) grow();
-  const Bits bits{std::bit_cast<std::uint32_t>(a), std::bit_cast<std::uint32_t>(b),
-                  std::bit_cast<std::uint32_t>(c)};
-  std::uint32_t& number = slots_[slot_of(bits)];
-  if (number == none) {
-    number = static_cast<std::uint32_t>(values_.size());
-    values_.push_back(bits);
-  }
-  return number;
-}
-
-std::size_t ValueNumbers::slot_of(const Bits& bits) const {
-  std::uint64_t h = 0;
-  for (const std::uint32_t word : bits) {
-    h = (h ^ word) * 0x9e3779b97f4a7c15ULL;
-    h ^= h >> 32;
-  }
-  h *= 0x9e3779b97f4a7c15ULL;
-  std::size_t slot = h >> shift_;
-  while (slots_[slot] != none && values_[slots_[slot]] != bits) slot = (slot + 1) & (slots_.size() - 1);
-  return slot;
-}
-
-void ValueNumbers::grow() {
-  const std::size_t n = std::max<std::size_t>(16, 2 * slots_.size());
-  shift_ = 64 - std::countr_zero(n);
-  std::vector<std::uint32_t>().swap(slots_);
-  slots_.resize(n, none);
-  for (std::uint32_t i = 0; i < values_.size(); ++i) slots_[slot_of(values_[i])] = i;
 }
 
 }  // namespace lambake

@@ -1,8 +1,6 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
-#include <cstdint>
 #include <limits>
 #include <vector>
 
@@ -29,23 +27,5 @@ void tell_unused_face_colors(std::size_t n, Findings& findings);
 
 /// The opacity of a vertex to which the file gives none, in whatever it counts: mesh files' are cut off at 1.
 inline constexpr float opacity_not_given = std::numeric_limits<float>::infinity();
-
-/// Numbers for triples of values, 0, 1, … in the order in which they are first met; equal ones (bit by bit)
-/// get the same.
-class ValueNumbers {
- public:
-  std::uint32_t number_of(float a, float b, float c);
-  std::size_t size() const { return values_.size(); }
-
- private:
-  using Bits = std::array<std::uint32_t, 3>;
-  /// Where the number of a value stands in `slots_`, or is to stand.
-  std::size_t slot_of(const Bits& bits) const;
-  void grow();
-
-  std::vector<Bits> values_;          // By their number.
-  std::vector<std::uint32_t> slots_;  // A power of two, at most three quarters taken.
-  int shift_ = 64;                    // 64 - the logarithm of their number.
-};
 
 }  // namespace lambake

@@ -1,8 +1,10 @@
 #include <fmt/format.h>
 
-#include <cmath>
 #include <filesystem>
+#include <limits>
+#include <map>
 #include <set>
+#include <utility>
 
 #include "lambake/core/error.h"
 #include "lambake/io/file_extension.h"
@@ -63,14 +65,11 @@ constexpr const char* other_emissions_text =
 /// How many materials keep the file's emission beside the light, though the scene has been given another.
 std::size_t count_other_emissions(const GltfAsset& asset, const Scene& scene,
                                   const GltfWriteOptions& options) {
-  const std::vector<bool> is_used = used_materials(scene.mesh, scene.materials.size());
-  std::size_t n = 0;
-  for (std::size_t m = 0; m < is_used.size(); ++m) {
+  return count_used_materials(scene, [&](std::size_t m) {
     const Material& material = scene.materials[m];
-    n += is_used[m] && !material.is_unlit && !needs_emission(material, options) &&
-         material.emission != emission_in_file(asset, m);
-  }
-  return n;
+    return !material.is_unlit && !needs_emission(material, options) &&
+           material.emission != emission_in_file(asset, m);
+  });
 }
 
 /// COLOR_0 lies in [0,1] by the specification, as floats too.
@@ -172,9 +171,8 @@ class AssetWriter {
 
   /// Viewers take what a Draco stream has before what the attributes name.
   void drop_packed_light(GltfJson& primitive) const {
-    constexpr const char* draco = "KHR_draco_mesh_compression";
-    if (member(member(member(primitive, "extensions"), draco), "attributes").is_object())
-      primitive["extensions"][draco]["attributes"].erase(options_.attribute);
+    if (member(member(member(primitive, "extensions"), gltf::draco), "attributes").is_object())
+      primitive["extensions"][gltf::draco]["attributes"].erase(options_.attribute);
   }
 
   /// The colours of a primitive's vertices: light, times the vertex colour that was there where it is
@@ -221,7 +219,7 @@ class AssetWriter {
         (*holder)["material"] = place->second;
       }
     }
-    use_extension(json, "KHR_materials_unlit");
+    use_extension(json, gltf::unlit);
   }
 
   static constexpr std::size_t no_material = std::numeric_limits<std::size_t>::max();
@@ -249,21 +247,20 @@ class AssetWriter {
       index = append_to(json, "materials", GltfJson(json["materials"][index]));
     GltfJson& extensions = json["materials"][index]["extensions"];
     if (!extensions.empty()) ++n_with_other_extensions_;
-    extensions["KHR_materials_unlit"] = GltfJson::object();
+    extensions[gltf::unlit] = GltfJson::object();
     return index;
   }
 
   /// Rewritten primitives are not compressed: where no other is, nothing needs a Draco decoder any more.
   static void drop_unused_draco(GltfJson& json) {
-    constexpr const char* draco = "KHR_draco_mesh_compression";
     for (const GltfJson& mesh : member(json, "meshes"))
       for (const GltfJson& primitive : member(mesh, "primitives"))
-        if (!member(member(primitive, "extensions"), draco).is_null()) return;
+        if (!member(member(primitive, "extensions"), gltf::draco).is_null()) return;
     for (const char* list : {"extensionsUsed", "extensionsRequired"}) {
       if (!member(json, list).is_array()) continue;
       GltfJson left = GltfJson::array();
       for (const GltfJson& name : json[list])
-        if (name != draco) left.push_back(name);
+        if (name != gltf::draco) left.push_back(name);
       if (left.empty())
         json.erase(list);
       else
@@ -332,7 +329,6 @@ void check_buffer_path(const std::string& path, const GltfAsset& asset) {
 ColorOutput gltf_asset_output(const GltfAsset& asset, const Scene& scene, const GltfWriteOptions& options) {
   ColorOutput output;
   output.shown = [options](const LinearRgb& color, const Material& material) {
-    const auto to_double = [](const LinearRgb& c) { return glm::dvec3(c.r, c.g, c.b); };
     const glm::dvec3 base = to_double(material.base_color);
     if (material.is_unlit) return base * to_double(color);
     const ColorFolding fold = folding_of(material, options);
@@ -340,11 +336,10 @@ ColorOutput gltf_asset_output(const GltfAsset& asset, const Scene& scene, const 
     const bool is_folded = !(fold.shift == LinearRgb{0, 0, 0});
     return is_folded ? shown : shown + to_double(material.emission);
   };
-  const std::vector<bool> is_used = used_materials(scene.mesh, scene.materials.size());
-  std::size_t n_unwritten = 0, n_multiplied = 0;
-  for (std::size_t m = 0; m < is_used.size(); ++m)
-    n_unwritten +=
-        is_used[m] && needs_emission(scene.materials[m], options) && !can_write_emission(scene.materials[m]);
+  const std::size_t n_unwritten = count_used_materials(scene, [&](std::size_t m) {
+    return needs_emission(scene.materials[m], options) && !can_write_emission(scene.materials[m]);
+  });
+  std::size_t n_multiplied = 0;
   for (const PlacedPrimitive& placed : asset.placed)
     n_multiplied += !replaces_color(options) && is_lit(placed, scene) && has_color(asset, placed);
   add_finding(
@@ -357,9 +352,9 @@ ColorOutput gltf_asset_output(const GltfAsset& asset, const Scene& scene, const 
       "that it has interpolated");
   add_finding(output.gaps, "certificate_not_of_file", count_other_emissions(asset, scene, options),
               other_emissions_text);
-  std::size_t n_unread = 0;
-  for (std::size_t m = 0; m < is_used.size(); ++m)
-    n_unread += is_used[m] && !scene.materials[m].is_unlit && has_unread_texture(asset, scene, m);
+  const std::size_t n_unread = count_used_materials(scene, [&](std::size_t m) {
+    return !scene.materials[m].is_unlit && has_unread_texture(asset, scene, m);
+  });
   add_finding(output.gaps, "certificate_not_of_file", n_unread,
               "material[ has a texture that is|s have textures that are] not read but shown from the file");
   return output;

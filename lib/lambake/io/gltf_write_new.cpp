@@ -1,10 +1,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
+#include <utility>
 
 #include "lambake/core/bounds.h"
 #include "lambake/core/error.h"
@@ -36,11 +36,6 @@ struct Part {
   std::vector<std::uint32_t> vertices;
   std::vector<glm::uvec3> triangles;  ///< Of `vertices`.
 };
-
-template <typename T>
-std::span<const unsigned char> bytes_of(std::span<const T> values) {
-  return {reinterpret_cast<const unsigned char*>(values.data()), values.size() * sizeof(T)};
-}
 
 /// Arrays that the document borrows until it is written.
 class KeptArrays {
@@ -252,8 +247,8 @@ class NewAsset {
       json["alphaMode"] = "MASK", json["alphaCutoff"] = material.alpha_cutoff;
     if (material.alpha_mode == AlphaMode::blend || is_blended) json["alphaMode"] = "BLEND";
     if (options_.mark_unlit) {
-      json["extensions"]["KHR_materials_unlit"] = GltfJson::object();
-      use_extension(document.json, "KHR_materials_unlit");
+      json["extensions"][gltf::unlit] = GltfJson::object();
+      use_extension(document.json, gltf::unlit);
     }
     return append_to(document.json, "materials", std::move(json));
   }
@@ -266,8 +261,7 @@ class NewAsset {
     if (!image_of_[texture.image]) {
       const Image& image = scene_.images[texture.image];
       const std::string& bytes = image.file.empty() ? kept_.keep(encode_png(picture_of(image))) : image.file;
-      const std::size_t view = append_view(
-          document, {reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size()}, 0, 0, true);
+      const std::size_t view = append_view(document, bytes_of(std::span(bytes)), 0, 0, true);
       image_of_[texture.image] =
           append_to(document.json, "images", {{"bufferView", view}, {"mimeType", mime_type_of(bytes)}});
     }
@@ -313,12 +307,11 @@ ColorOutput new_gltf_output(const Scene& scene, const GltfWriteOptions& options)
   output.shown = [encoding = encoding_of(options)](const LinearRgb& color, const Material& material) {
     const LinearRgb shown = encoded_color(folding_of(material)(color), encoding);
     const LinearRgb unwritten = can_write_emission(material) ? LinearRgb{} : emission_of(material);
-    return glm::dvec3(shown.r, shown.g, shown.b) + glm::dvec3(unwritten.r, unwritten.g, unwritten.b);
+    return to_double(shown) + to_double(unwritten);
   };
-  const std::vector<bool> is_used = used_materials(scene.mesh, scene.materials.size());
-  std::size_t n_unwritten = 0;
-  for (std::size_t m = 0; m < is_used.size(); ++m)
-    n_unwritten += is_used[m] && has_emission(scene.materials[m]) && !can_write_emission(scene.materials[m]);
+  const std::size_t n_unwritten = count_used_materials(scene, [&](std::size_t m) {
+    return has_emission(scene.materials[m]) && !can_write_emission(scene.materials[m]);
+  });
   add_finding(output.gaps, "certificate_not_of_file", n_unwritten,
               "material[ emits|s emit] light that vertex colours cannot hold beside a texture, so that the "
               "file shows less");

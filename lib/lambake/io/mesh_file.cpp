@@ -94,6 +94,28 @@ void add_defects(const Mesh& mesh, Findings& findings) {
               "edge[ is|s are] run through twice in one direction: the winding is not consistent; kept");
 }
 
+/// Which vertices and faces of the file those of the mesh are, and by that the materials of these.
+void set_sources(const CanonicalFile& file, Mesh& mesh) {
+  if (!file.copied_vertices.empty()) {
+    mesh.source_vertices.resize(file.n_vertices);
+    std::iota(mesh.source_vertices.begin(), mesh.source_vertices.end(), 0U);
+    mesh.source_vertices.insert(mesh.source_vertices.end(), file.copied_vertices.begin(),
+                                file.copied_vertices.end());
+  }
+  if (!file.face_indices.empty()) {
+    if (mesh.source_faces.empty()) {
+      mesh.source_faces = file.face_indices;
+    } else {
+      for (std::uint32_t& f : mesh.source_faces) f = file.face_indices[f];
+    }
+  }
+  if (!file.face_materials.empty()) {
+    mesh.materials.reserve(mesh.n_triangles());
+    for (std::size_t t = 0; t < mesh.n_triangles(); ++t)
+      mesh.materials.push_back(file.face_materials[mesh.source_face_of(t)]);
+  }
+}
+
 }  // namespace
 
 SceneFile read_mesh_file(const std::string& path) {
@@ -122,24 +144,7 @@ SceneFile read_mesh_file(const std::string& path) {
                               n_expected, n_kept, mesh.n_vertices(), arrays.n_faces));
   result.n_vertices = file.n_vertices;
 
-  if (!file.copied_vertices.empty()) {
-    mesh.source_vertices.resize(file.n_vertices);
-    std::iota(mesh.source_vertices.begin(), mesh.source_vertices.end(), 0U);
-    mesh.source_vertices.insert(mesh.source_vertices.end(), file.copied_vertices.begin(),
-                                file.copied_vertices.end());
-  }
-  if (!file.face_indices.empty()) {
-    if (mesh.source_faces.empty()) {
-      mesh.source_faces = file.face_indices;
-    } else {
-      for (std::uint32_t& f : mesh.source_faces) f = file.face_indices[f];
-    }
-  }
-  if (!file.face_materials.empty()) {
-    mesh.materials.reserve(mesh.n_triangles());
-    for (std::size_t t = 0; t < mesh.n_triangles(); ++t)
-      mesh.materials.push_back(file.face_materials[mesh.source_face_of(t)]);
-  }
+  set_sources(file, mesh);
   tell_coarse_positions(std::span(mesh.positions).first(file.n_vertices), result.findings);
   turn_texcoords(mesh.texcoords[0], result.findings);
   for (float& opacity : mesh.opacities) opacity = opacity >= 0 ? std::min(opacity, 1.0f) : 0.0f;

@@ -1,10 +1,15 @@
 #pragma once
 
 #include <cstddef>
+#include <filesystem>
 #include <fstream>
 #include <string>
 
 namespace lambake {
+
+/// Where something is written that is then moved to `target`: in the same folder, so that moving it is one
+/// step.
+std::filesystem::path temporary_beside(const std::filesystem::path& target);
 
 /// A file that appears whole or not at all: written beside its place, moved there by commit(). Without a
 /// commit the destructor removes it. Writing errors throw IoError.
@@ -22,9 +27,14 @@ class OutputFile {
   void commit();
 
  private:
+  void check_stream() const;
+
   std::string path_, temporary_path_;
   std::ofstream stream_;
   bool is_committed_ = false;
 };
+
+/// Writes all of a file, whole or not at all. @throws IoError.
+void write_file(const std::string& path, const std::string& bytes);
 
 }  // namespace lambake

@@ -1,11 +1,10 @@
 #include "lambake/io/output_folder.h"
 
-#include <unistd.h>
-
 #include <system_error>
 #include <vector>
 
 #include "lambake/core/error.h"
+#include "lambake/io/output_file.h"
 
 namespace lambake {
 
@@ -30,8 +29,7 @@ OutputFolder::OutputFolder(const std::string& path) : path_(path) {
   path_ = target;
   if (!error && path_.has_parent_path()) std::filesystem::create_directories(path_.parent_path(), error);
   if (error) throw IoError(path, "cannot be made: " + error.message());
-  temporary_ =
-      path_.parent_path() / (".lambake-" + std::to_string(::getpid()) + "-" + path_.filename().string());
+  temporary_ = temporary_beside(path_);
   std::filesystem::remove_all(temporary_, error);  // Left by a run that was stopped.
   if (!error) std::filesystem::create_directory(temporary_, error);
   if (error) throw IoError(path, "cannot be made: " + error.message());

@@ -1,34 +1,17 @@
 #include "lambake/io/plain_ply.h"
 
-#include <fmt/format.h>
-
 #include <bit>
 #include <cstdint>
 #include <cstring>
 #include <limits>
-#include <string_view>
 #include <utility>
+
+#include "lambake/io/canonical_ply.h"
 
 namespace lambake {
 namespace {
 
 static_assert(std::endian::native == std::endian::little);
-
-bool are_floats(const std::vector<PlyProperty>& properties, std::size_t first,
-                std::initializer_list<std::string_view> names) {
-  if (properties.size() < first + names.size()) return false;
-  for (const std::string_view name : names) {
-    const PlyProperty& p = properties[first++];
-    if (p.is_list || p.type != PlyType::f32 || p.name != name) return false;
-  }
-  return true;
-}
-
-bool is_index_list(const PlyProperty& p) {
-  const bool is_named = p.name == "vertex_indices" || p.name == "vertex_index";
-  return p.is_list && is_named && (p.type == PlyType::i32 || p.type == PlyType::u32) &&
-         p.count_type == PlyType::u8;
-}
 
 /// The end of the faces that begin at `at` if they have three or more corners, each below `n_vertices`
 /// (< 2^31); none otherwise.
@@ -57,24 +40,18 @@ bool take_plain_ply(const PlyHeader& header, std::string& text, CanonicalFile& f
   if (vertex.name != "vertex" || face.name != "face" || vertex.count == 0 || face.count == 0 ||
       vertex.count > std::numeric_limits<std::int32_t>::max() || !header.texture_files.empty())
     return false;
-  const std::vector<PlyProperty>& properties = vertex.properties;
-  if (!are_floats(properties, 0, {"x", "y", "z"})) return false;
-  const bool has_normals = are_floats(properties, 3, {"nx", "ny", "nz"});
-  const std::size_t n_before = has_normals ? 6 : 3;
-  const bool has_texcoords = are_floats(properties, n_before, {"u", "v"});
-  const std::size_t n_floats = n_before + (has_texcoords ? 2 : 0);
-  if (properties.size() != n_floats || face.properties.size() != 1 || !is_index_list(face.properties[0]))
+  const std::size_t n_floats = vertex.properties.size();
+  const bool has_normals = n_floats >= 6, has_texcoords = n_floats == 5 || n_floats == 8;
+  if (vertex.properties != canonical_vertices(0, has_normals, has_texcoords).properties) return false;
+  if (face.properties.size() != 1 || !is_index_list(face.properties[0])) return false;
+  const PlyProperty& indices = face.properties[0];
+  if (indices.count_type != PlyType::u8 || (indices.type != PlyType::i32 && indices.type != PlyType::u32))
     return false;
 
   // The reader gets a header of ours, in the place of the file's: comments and spellings are no matter then.
-  const std::string canonical = fmt::format(
-      "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty float x\nproperty float y\n"
-      "property float z\n{}{}element face {}\nproperty list uchar {} {}\nend_header\n",
-      vertex.count, has_normals ? "property float nx\nproperty float ny\nproperty float nz\n" : "",
-      has_texcoords ? "property float u\nproperty float v\n" : "", face.count,
-      face.properties[0].type == PlyType::i32 ? "int" : "uint", face.properties[0].name);
+  const std::string canonical = ply_header_text({}, header.elements);
   if (canonical.size() > header.size) return false;
-  const std::size_t faces_begin = header.size + 4 * n_floats * vertex.count;
+  const std::size_t faces_begin = header.size + row_size(vertex) * vertex.count;
   if (text.size() < faces_begin) return false;
   const char* const end = text.data() + text.size();
   const char* const faces_end = end_of_sound_faces(text.data() + faces_begin, end, face.count,

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
+#include <initializer_list>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -26,14 +26,25 @@ struct PlyProperty {
   PlyType type = PlyType::f32;
   bool is_list = false;
   PlyType count_type = PlyType::u8;  ///< Of a list.
+
+  friend bool operator==(const PlyProperty&, const PlyProperty&) = default;
 };
 
 struct PlyElement {
   std::string name;
   std::size_t count = 0;
-  std::vector<PlyProperty> properties;
+  std::vector<PlyProperty> properties{};
   std::size_t line = 0;  ///< Where it is declared.
 };
+
+/// Adds numbers of one type.
+void add_properties(PlyElement& element, PlyType type, std::initializer_list<std::string_view> names);
+
+/// Bytes of each one of an element in a binary file; of a list only those of its count.
+std::size_t row_size(const PlyElement& element);
+
+/// Whether the property is the list of a face's vertices.
+bool is_index_list(const PlyProperty& property);
 
 enum class PlyEncoding { ascii, little_endian, big_endian };
 
@@ -54,5 +65,9 @@ void tell_bytes_left_over(std::size_t n, Findings& findings);
 /// Reads the header and checks that the body can hold what it promises.
 /// @param cursor  at the beginning of the file; left at the beginning of the body. @throws IoError.
 PlyHeader read_ply_header(const std::string& path, TextCursor& cursor);
+
+/// The header of a little-endian file.
+std::string ply_header_text(const std::vector<std::string>& comments,
+                            const std::vector<PlyElement>& elements);
 
 }  // namespace lambake

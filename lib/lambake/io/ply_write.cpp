@@ -1,10 +1,7 @@
 #include "lambake/io/ply_write.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <bit>
-#include <cmath>
 #include <cstring>
 
 #include "lambake/core/error.h"
@@ -47,30 +44,33 @@ bool has_texture(const Mesh& mesh, const Scene& scene, const Material& material)
   return has(material.base_color_texture) || (has_emission(material) && has(material.emission_texture));
 }
 
-std::string make_header(const Mesh& mesh, bool is_float) {
-  return fmt::format(
-      "ply\nformat binary_little_endian 1.0\ncomment made by lambake {}\n{}element vertex {}\n"
-      "property float x\nproperty float y\nproperty float z\n{}{}{}"
-      "element face {}\nproperty list uchar int vertex_indices\nend_header\n",
-      version(), is_float ? fmt::format("comment {}\n", ply_linear_colors_comment) : "", mesh.n_vertices(),
-      mesh.normals.empty() ? "" : "property float nx\nproperty float ny\nproperty float nz\n",
-      mesh.texcoords[0].empty() ? "" : "property float s\nproperty float t\n",
-      is_float ? "property float red\nproperty float green\nproperty float blue\n"
-               : "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\n",
-      mesh.n_triangles());
+PlyElement vertex_element(const Mesh& mesh) {
+  PlyElement vertex{"vertex", mesh.n_vertices()};
+  add_properties(vertex, PlyType::f32, {"x", "y", "z"});
+  return vertex;
 }
 
-/// Writes `n` rows of `row_size` bytes; `fill(i, row)` makes row i. In pieces, so that memory stays small.
+PlyElement face_element(const Mesh& mesh) {
+  return {"face", mesh.n_triangles(), {{"vertex_indices", PlyType::i32, true, PlyType::u8}}};
+}
+
+std::string made_by() {
+  return "made by lambake " + version();
+}
+
+/// Writes the rows of an element, whose lists have `n_indices` of 4 bytes; `fill(i, row)` makes row i. In
+/// pieces, so that memory stays small.
 template <typename Fill>
-void write_rows(OutputFile& file, std::size_t n, std::size_t row_size, Fill&& fill) {
+void write_rows(OutputFile& file, const PlyElement& element, std::size_t n_indices, Fill&& fill) {
   constexpr std::size_t piece = std::size_t{1} << 18;
-  std::string rows(std::min(n, piece) * row_size, '\0');
+  const std::size_t n = element.count, size = row_size(element) + 4 * n_indices;
+  std::string rows(std::min(n, piece) * size, '\0');
   for (std::size_t begin = 0; begin < n; begin += piece) {
     const std::size_t n_rows = std::min(piece, n - begin);
     parallel_blocks(n_rows, 4096, [&](std::size_t from, std::size_t to) {
-      for (std::size_t i = from; i < to; ++i) fill(begin + i, rows.data() + i * row_size);
+      for (std::size_t i = from; i < to; ++i) fill(begin + i, rows.data() + i * size);
     });
-    file.write(rows.data(), n_rows * row_size);
+    file.write(rows.data(), n_rows * size);
   }
 }
 
@@ -78,6 +78,11 @@ template <typename T>
 void append(char*& row, const T& value) {
   std::memcpy(row, &value, sizeof value);
   row += sizeof value;
+}
+
+void append_triangle(char*& row, const glm::uvec3& corners) {
+  append(row, std::uint8_t{3});
+  append(row, corners);
 }
 
 }  // namespace
@@ -88,12 +93,10 @@ ColorOutput ply_output(const Scene& scene, const PlyWriteOptions& options) {
     LinearRgb color = material.base_color * baked + emission_of(material);
     if (!is_finite(color)) color = {0, 0, 0};
     if (storage == ColorStorage::u8) color = to_linear(to_srgb8(color));
-    return glm::dvec3(color.r, color.g, color.b);
+    return to_double(color);
   };
-  const std::vector<bool> is_used = used_materials(scene.mesh, scene.materials.size());
-  std::size_t n_textured = 0;
-  for (std::size_t m = 0; m < is_used.size(); ++m)
-    n_textured += is_used[m] && has_texture(scene.mesh, scene, scene.materials[m]);
+  const std::size_t n_textured = count_used_materials(
+      scene, [&](std::size_t m) { return has_texture(scene.mesh, scene, scene.materials[m]); });
   add_finding(output.gaps, "certificate_not_of_file", n_textured,
               "material[ has a texture, of which|s have a texture, of which] the file holds what is at the "
               "vertices alone");
@@ -127,11 +130,21 @@ WrittenColors write_ply_file(const std::string& path, const Scene& scene, const 
   add_finding(written.findings, "non_finite_baked_colors", n_non_finite,
               "vert[ex has|ices have] a baked colour that is not finite; black instead");
 
-  OutputFile file(path);
-  file.write(make_header(mesh, is_float));
   const bool has_normals = !mesh.normals.empty(), has_texcoords = !mesh.texcoords[0].empty();
-  const std::size_t row_size = 12 + (has_normals ? 12 : 0) + (has_texcoords ? 8 : 0) + (is_float ? 12 : 4);
-  write_rows(file, mesh.n_vertices(), row_size, [&](std::size_t v, char* row) {
+  PlyElement vertex = vertex_element(mesh);
+  if (has_normals) add_properties(vertex, PlyType::f32, {"nx", "ny", "nz"});
+  if (has_texcoords) add_properties(vertex, PlyType::f32, {"s", "t"});
+  if (is_float)
+    add_properties(vertex, PlyType::f32, {"red", "green", "blue"});
+  else
+    add_properties(vertex, PlyType::u8, {"red", "green", "blue", "alpha"});
+  const PlyElement face = face_element(mesh);
+  std::vector<std::string> comments{made_by()};
+  if (is_float) comments.emplace_back(ply_linear_colors_comment);
+
+  OutputFile file(path);
+  file.write(ply_header_text(comments, {vertex, face}));
+  write_rows(file, vertex, 0, [&](std::size_t v, char* row) {
     append(row, mesh.positions[v]);
     if (has_normals) append(row, mesh.normals[v]);
     if (has_texcoords) append(row, glm::vec2(mesh.texcoords[0][v].x, 1 - mesh.texcoords[0][v].y));
@@ -144,28 +157,22 @@ WrittenColors write_ply_file(const std::string& path, const Scene& scene, const 
       append(row, static_cast<std::uint8_t>(std::clamp(opacity, 0.0f, 1.0f) * 255.0f + 0.5f));
     }
   });
-  write_rows(file, mesh.n_triangles(), 13, [&](std::size_t t, char* row) {
-    append(row, std::uint8_t{3});
-    append(row, mesh.triangles[t]);
-  });
+  write_rows(file, face, 3, [&](std::size_t t, char* row) { append_triangle(row, mesh.triangles[t]); });
   file.commit();
   return written;
 }
 
 void write_face_ply(const std::string& path, const Mesh& mesh, std::span<const Srgb8> colors,
                     std::span<const float> quality, const std::string& comment) {
+  const PlyElement vertex = vertex_element(mesh);
+  PlyElement face = face_element(mesh);
+  add_properties(face, PlyType::u8, {"red", "green", "blue"});
+  add_properties(face, PlyType::f32, {"quality"});
   OutputFile file(path);
-  file.write(
-      fmt::format("ply\nformat binary_little_endian 1.0\ncomment made by lambake {}\ncomment {}\n"
-                  "element vertex {}\nproperty float x\nproperty float y\nproperty float z\n"
-                  "element face {}\nproperty list uchar int vertex_indices\n"
-                  "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty float quality\n"
-                  "end_header\n",
-                  version(), comment, mesh.n_vertices(), mesh.n_triangles()));
-  write_rows(file, mesh.n_vertices(), 12, [&](std::size_t v, char* row) { append(row, mesh.positions[v]); });
-  write_rows(file, mesh.n_triangles(), 13 + 3 + 4, [&](std::size_t t, char* row) {
-    append(row, std::uint8_t{3});
-    append(row, mesh.triangles[t]);
+  file.write(ply_header_text({made_by(), comment}, {vertex, face}));
+  write_rows(file, vertex, 0, [&](std::size_t v, char* row) { append(row, mesh.positions[v]); });
+  write_rows(file, face, 3, [&](std::size_t t, char* row) {
+    append_triangle(row, mesh.triangles[t]);
     append(row, colors[t]);
     append(row, quality[t]);
   });

@@ -10,6 +10,7 @@
 
 #include "lambake/core/bounds.h"
 #include "lambake/core/error.h"
+#include "lambake/core/hash.h"
 #include "lambake/geometry/split_corners.h"
 #include "lambake/io/canonical_file.h"
 #include "lambake/io/canonical_ply.h"
@@ -68,11 +69,9 @@ struct SameValues {
   std::uint64_t hash(const CornerSplitter::Key& key) const {
     std::uint64_t h = key[2];
     if (key[0] != none)
-      for (int c = 0; c < 2; ++c)
-        h = CornerSplitter::mixed(h, std::bit_cast<std::uint32_t>(texcoords[key[0]][c]));
+      for (int c = 0; c < 2; ++c) h = mixed(h, std::bit_cast<std::uint32_t>(texcoords[key[0]][c]));
     if (key[1] != none)
-      for (int c = 0; c < 3; ++c)
-        h = CornerSplitter::mixed(h, std::bit_cast<std::uint32_t>(normals[key[1]][c]));
+      for (int c = 0; c < 3; ++c) h = mixed(h, std::bit_cast<std::uint32_t>(normals[key[1]][c]));
     return h;
   }
   template <typename T>
@@ -143,19 +142,15 @@ class ObjScan {
   void scan_vertex(TextCursor& cursor) {
     glm::vec3 p;
     for (int c = 0; c < 3; ++c) p[c] = cursor.number("three numbers after \"v\"");
-    vertex_rows_.append(reinterpret_cast<const char*>(&p), sizeof p);
+    append_values(vertex_rows_, &p);
     ++n_vertices_;
-    if (cursor.at_line_end()) {
-      if (has_colors_) file_.colors.push_back({1, 1, 1}), ++n_uncolored_;
-      return;
-    }
-    // Behind the position: w, or r g b, or r g b and alpha.
+    // Behind the position: nothing, w, r g b, or r g b and alpha.
     float extra[4];
     int n = 0;
     while (n < 4 && !cursor.at_line_end()) extra[n++] = cursor.number("a weight or a colour");
     if (!cursor.at_line_end()) cursor.fail("the end of the line", cursor.token());
     if (n == 2) cursor.fail("three numbers of a colour", {});
-    if (n == 1) {
+    if (n < 2) {
       if (has_colors_) file_.colors.push_back({1, 1, 1}), ++n_uncolored_;
       return;
     }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstring>
-#include <limits>
 
 #include "lambake/io/canonical_file.h"
 #include "lambake/io/canonical_ply.h"
@@ -161,7 +160,7 @@ class OffScan {
     for (std::size_t i = 0; i < file_.n_vertices; ++i) {
       if (!cursor_.skip_to_token()) cursor_.fail(fmt::format("vertex {} of {}", i + 1, file_.n_vertices), {});
       const glm::vec3 p = scan_vector("three coordinates");
-      vertex_rows_.append(reinterpret_cast<const char*>(&p), sizeof p);
+      append_values(vertex_rows_, &p);
       if (header_.has_normals) file_.normals.push_back(scan_vector("three numbers of a normal"));
       if (header_.has_texcoords) {
         // The last two numbers of the line, behind a colour if there is one.

@@ -1,7 +1,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstring>
+#include <array>
+#include <iterator>
 #include <limits>
 #include <optional>
 #include <span>
@@ -15,6 +16,7 @@
 #include "lambake/io/file_texture.h"
 #include "lambake/io/input_file.h"
 #include "lambake/io/plain_ply.h"
+#include "lambake/io/ply_body.h"
 #include "lambake/io/ply_header.h"
 #include "lambake/io/text_blocks.h"
 #include "lambake/io/text_cursor.h"
@@ -22,131 +24,41 @@
 namespace lambake {
 namespace {
 
-/// Values of an ASCII body. Like every reader of PLY it takes line ends for blanks.
-class AsciiBody {
- public:
-  explicit AsciiBody(const TextCursor& cursor) : cursor_(cursor) {}
-
-  double number(PlyType type) {
-    cursor_.skip_to_token();
-    if (is_float(type)) return cursor_.number("a number");
-    return static_cast<double>(cursor_.integer<std::int64_t>("a whole number"));
-  }
-  float number_f32(PlyType type) { return static_cast<float>(number(type)); }
-  std::int64_t integer(PlyType) {
-    cursor_.skip_to_token();
-    return cursor_.integer<std::int64_t>("a whole number");
-  }
-  std::size_t remaining() const { return cursor_.remaining(); }
-  std::size_t least_size(PlyType) const { return 2; }
-  void tell_rest(Findings& findings) {
-    add_finding(findings, "lines_left_over", cursor_.count_lines(),
-                "line[|s] behind the last element of the header [is|are] not read");
-  }
-  std::string place() const { return fmt::format("line {}", cursor_.line()); }
-
- private:
-  TextCursor cursor_;
-};
-
-template <typename T, bool is_big_endian>
-T load(const char* bytes) {
-  T value;
-  if constexpr (is_big_endian) {
-    char swapped[sizeof(T)];
-    std::reverse_copy(bytes, bytes + sizeof(T), swapped);
-    std::memcpy(&value, swapped, sizeof(T));
-  } else {
-    std::memcpy(&value, bytes, sizeof(T));
-  }
-  return value;
-}
-
-/// Values of a binary body.
-template <bool is_big_endian>
-class BinaryBody {
- public:
-  BinaryBody(const std::string& path, std::string_view text, std::size_t header_size)
-      : path_(path), begin_(text.data() - header_size), at_(text.data()), end_(text.data() + text.size()) {}
-
-  double number(PlyType type) {
-    if (type == PlyType::f32) return load<float, is_big_endian>(take(4));
-    if (type == PlyType::f64) return load<double, is_big_endian>(take(8));
-    return static_cast<double>(integer(type));
-  }
-  float number_f32(PlyType type) { return static_cast<float>(number(type)); }
-  std::int64_t integer(PlyType type) {
-    const char* const bytes = take(size_of(type));
-    switch (type) {
-      case PlyType::i8:
-        return load<std::int8_t, is_big_endian>(bytes);
-      case PlyType::u8:
-        return load<std::uint8_t, is_big_endian>(bytes);
-      case PlyType::i16:
-        return load<std::int16_t, is_big_endian>(bytes);
-      case PlyType::u16:
-        return load<std::uint16_t, is_big_endian>(bytes);
-      case PlyType::i32:
-        return load<std::int32_t, is_big_endian>(bytes);
-      case PlyType::u32:
-        return load<std::uint32_t, is_big_endian>(bytes);
-      default:
-        throw IoError(path_, place() + ": expected a whole number, found a property of type float");
-    }
-  }
-  std::size_t remaining() const { return static_cast<std::size_t>(end_ - at_); }
-  std::size_t least_size(PlyType type) const { return size_of(type); }
-  void tell_rest(Findings& findings) const { tell_bytes_left_over(remaining(), findings); }
-  std::string place() const { return fmt::format("byte {}", at_ - begin_); }
-
- private:
-  const char* take(std::size_t n) {
-    if (remaining() < n)
-      throw IoError(path_, fmt::format("byte {}: expected {} more bytes, found the end of the file",
-                                       at_ - begin_, n - remaining()));
-    const char* const bytes = at_;
-    at_ += n;
-    return bytes;
-  }
-
-  const std::string& path_;
-  const char* begin_;
-  const char* at_;
-  const char* end_;
-};
-
 enum class Role { none, x, y, z, nx, ny, nz, u, v, red, green, blue, alpha, indices, texcoords, texture };
-constexpr std::size_t n_scalar_roles = static_cast<std::size_t>(Role::alpha) + 1;
+
+/// A value for each role.
+template <typename T>
+struct ByRole {
+  std::array<T, static_cast<std::size_t>(Role::texture) + 1> values{};
+
+  T& operator[](Role role) { return values[static_cast<std::size_t>(role)]; }
+  const T& operator[](Role role) const { return values[static_cast<std::size_t>(role)]; }
+};
 
 Role role_in_vertex(const PlyProperty& p) {
-  constexpr std::pair<std::string_view, Role> names[] = {{"x", Role::x},
-                                                         {"y", Role::y},
-                                                         {"z", Role::z},
-                                                         {"nx", Role::nx},
-                                                         {"ny", Role::ny},
-                                                         {"nz", Role::nz},
-                                                         {"u", Role::u},
-                                                         {"s", Role::u},
-                                                         {"texture_u", Role::u},
-                                                         {"v", Role::v},
-                                                         {"t", Role::v},
-                                                         {"texture_v", Role::v},
-                                                         {"red", Role::red},
-                                                         {"green", Role::green},
-                                                         {"blue", Role::blue},
-                                                         {"alpha", Role::alpha},
-                                                         {"diffuse_red", Role::red},
-                                                         {"diffuse_green", Role::green},
-                                                         {"diffuse_blue", Role::blue}};
+  // By role, from x on.
+  constexpr std::string_view names[][3] = {{"x"},
+                                           {"y"},
+                                           {"z"},
+                                           {"nx"},
+                                           {"ny"},
+                                           {"nz"},
+                                           {"u", "s", "texture_u"},
+                                           {"v", "t", "texture_v"},
+                                           {"red", "diffuse_red"},
+                                           {"green", "diffuse_green"},
+                                           {"blue", "diffuse_blue"},
+                                           {"alpha"}};
   if (!p.is_list)
-    for (const auto& [name, role] : names)
-      if (name == p.name) return role;
+    for (std::size_t i = 0; i < std::size(names); ++i)
+      if (std::find(std::begin(names[i]), std::end(names[i]), p.name) != std::end(names[i]))
+        return static_cast<Role>(static_cast<std::size_t>(Role::x) + i);
   return Role::none;
 }
 
 Role role_in_face(const PlyProperty& p) {
   if (p.is_list) {
-    if (p.name == "vertex_indices" || p.name == "vertex_index") return Role::indices;
+    if (is_index_list(p)) return Role::indices;
     return p.name == "texcoord" ? Role::texcoords : Role::none;
   }
   if (p.name == "red") return Role::red;
@@ -159,14 +71,29 @@ bool is_color(Role role) {
   return role == Role::red || role == Role::green || role == Role::blue;
 }
 
+/// What the properties of an element stand for.
+struct Roles {
+  Roles(const PlyElement& element, Role (*role_of)(const PlyProperty&)) {
+    for (const PlyProperty& p : element.properties) {
+      of_property.push_back(role_of(p));
+      property[of_property.back()] = &p;
+      has_float_colors = has_float_colors || (is_color(of_property.back()) && is_float(p.type));
+    }
+  }
+  bool has(std::initializer_list<Role> roles) const {
+    return std::all_of(roles.begin(), roles.end(), [this](Role role) { return property[role] != nullptr; });
+  }
+  bool has_colors() const { return has({Role::red, Role::green, Role::blue}); }
+
+  std::vector<Role> of_property;
+  ByRole<const PlyProperty*> property;  ///< The last one of each role, or none.
+  bool has_float_colors = false;
+};
+
 /// What a colour channel is divided by to lie in [0,1].
 float channel_scale(PlyType type) {
   if (is_float(type)) return 1;
   return type == PlyType::u16 ? 65535.0f : 255.0f;
-}
-
-void append_bytes(std::string& bytes, const void* data, std::size_t size) {
-  bytes.append(static_cast<const char*>(data), size);
 }
 
 /// Turns the body into the canonical file.
@@ -230,129 +157,115 @@ class PlyScan {
       for (const PlyProperty& p : element.properties) skip(p);
   }
 
+  float number_f32(PlyType type) { return static_cast<float>(body_.number(type)); }
+
   void scan_vertices(const PlyElement& element) {
-    std::vector<Role> roles;
-    bool has[n_scalar_roles] = {};
-    float scales[n_scalar_roles] = {};
-    for (const PlyProperty& p : element.properties) {
-      const Role role = role_in_vertex(p);
-      roles.push_back(role);
-      has[static_cast<std::size_t>(role)] = true;
-      scales[static_cast<std::size_t>(role)] = 1 / channel_scale(p.type);
-    }
-    const auto has_all = [&](std::initializer_list<Role> all) {
-      return std::all_of(all.begin(), all.end(), [&](Role r) { return has[static_cast<std::size_t>(r)]; });
-    };
-    if (!has_all({Role::x, Role::y, Role::z}))
+    const Roles roles(element, role_in_vertex);
+    if (!roles.has({Role::x, Role::y, Role::z}))
       throw IoError(path_,
                     fmt::format("line {}: expected properties x, y and z of \"vertex\"", element.line));
-    file_.has_normals = has_all({Role::nx, Role::ny, Role::nz});
-    file_.has_texcoords = has_all({Role::u, Role::v});
-    const bool has_colors = has_all({Role::red, Role::green, Role::blue});
+    file_.has_normals = roles.has({Role::nx, Role::ny, Role::nz});
+    file_.has_texcoords = roles.has({Role::u, Role::v});
+    const bool has_colors = roles.has_colors(), has_alpha = has_colors && roles.has({Role::alpha});
+    if (has_colors) use_colors(roles);
     if (has_colors) file_.colors.reserve(element.count);
-    for (const PlyProperty& p : element.properties)
-      if (has_colors && is_color(role_in_vertex(p)) && is_float(p.type)) channels_ = ChannelNumbers::floats;
-    const bool has_alpha = has_colors && has_all({Role::alpha});
     if (has_alpha) file_.opacities.reserve(element.count);
-    const std::size_t row_size = 4 * (3 + (file_.has_normals ? 3 : 0) + (file_.has_texcoords ? 2 : 0));
-    vertex_rows_.reserve(row_size * element.count);
-    float values[n_scalar_roles] = {};
-    const auto value = [&](Role role) { return values[static_cast<std::size_t>(role)]; };
+    vertex_rows_.reserve(element.count *
+                         row_size(canonical_vertices(1, file_.has_normals, file_.has_texcoords)));
+    ByRole<float> values, scales;
+    for (const Role role : {Role::red, Role::green, Role::blue, Role::alpha})
+      if (roles.has({role})) scales[role] = 1 / channel_scale(roles.property[role]->type);
+    const auto channel = [&](Role role) { return values[role] * scales[role]; };
     for (std::size_t i = 0; i < element.count; ++i) {
-      for (std::size_t p = 0; p < roles.size(); ++p) {
-        if (roles[p] == Role::none) {
+      for (std::size_t p = 0; p < element.properties.size(); ++p) {
+        if (roles.of_property[p] == Role::none) {
           skip(element.properties[p]);
         } else {
-          values[static_cast<std::size_t>(roles[p])] = body_.number_f32(element.properties[p].type);
+          values[roles.of_property[p]] = number_f32(element.properties[p].type);
         }
       }
-      append_bytes(vertex_rows_, &values[static_cast<std::size_t>(Role::x)], 12);
-      if (file_.has_normals) append_bytes(vertex_rows_, &values[static_cast<std::size_t>(Role::nx)], 12);
-      if (file_.has_texcoords) append_bytes(vertex_rows_, &values[static_cast<std::size_t>(Role::u)], 8);
-      if (has_colors)
-        file_.colors.push_back({value(Role::red) * scales[static_cast<std::size_t>(Role::red)],
-                                value(Role::green) * scales[static_cast<std::size_t>(Role::green)],
-                                value(Role::blue) * scales[static_cast<std::size_t>(Role::blue)]});
-      if (has_alpha)
-        file_.opacities.push_back(value(Role::alpha) * scales[static_cast<std::size_t>(Role::alpha)]);
+      append_values(vertex_rows_, &values[Role::x], 3);
+      if (file_.has_normals) append_values(vertex_rows_, &values[Role::nx], 3);
+      if (file_.has_texcoords) append_values(vertex_rows_, &values[Role::u], 2);
+      if (has_colors) file_.colors.push_back({channel(Role::red), channel(Role::green), channel(Role::blue)});
+      if (has_alpha) file_.opacities.push_back(channel(Role::alpha));
     }
   }
 
+  void use_colors(const Roles& roles) {
+    channels_ = roles.has_float_colors ? ChannelNumbers::floats : ChannelNumbers::whole;
+  }
+
+  struct Face {
+    std::vector<std::uint32_t> corners;
+    std::vector<float> texcoords;  ///< Two of each corner, if the file is right.
+    ByRole<float> channels;        ///< Of the colour.
+    double texture = 0;
+  };
+
   void scan_faces(const PlyElement& element) {
     file_.n_faces = element.count;
-    std::vector<Role> roles;
-    const PlyProperty* channels[3] = {};
-    bool has_texcoords = false, has_texture = false, has_indices = false;
-    for (const PlyProperty& p : element.properties) {
-      roles.push_back(role_in_face(p));
-      if (is_color(roles.back())) channels[static_cast<int>(roles.back()) - static_cast<int>(Role::red)] = &p;
-      has_texcoords = has_texcoords || roles.back() == Role::texcoords;
-      has_texture = has_texture || roles.back() == Role::texture;
-      has_indices = has_indices || roles.back() == Role::indices;
-    }
-    if (!has_indices)
+    const Roles roles(element, role_in_face);
+    if (!roles.has({Role::indices}))
       throw IoError(path_,
                     fmt::format("line {}: expected a list \"vertex_indices\" of \"face\"", element.line));
     // Colours of the vertices are finer than those of the faces: where a file has both, they win.
-    const PlyElement& vertex = *find("vertex");
-    const auto vertex_has = [&vertex](Role role) {
-      return std::any_of(vertex.properties.begin(), vertex.properties.end(),
-                         [role](const auto& p) { return role_in_vertex(p) == role; });
-    };
-    const bool vertex_has_colors = vertex_has(Role::red) && vertex_has(Role::green) && vertex_has(Role::blue);
-    const bool face_has_colors = channels[0] && channels[1] && channels[2];
-    const bool has_colors = face_has_colors && !vertex_has_colors;
-    for (const PlyProperty* p : channels)
-      if (has_colors && is_float(p->type)) channels_ = ChannelNumbers::floats;
-    if (face_has_colors && vertex_has_colors) tell_unused_face_colors(element.count, file_.findings);
+    const bool vertex_has_colors = Roles(*find("vertex"), role_in_vertex).has_colors();
+    const bool has_colors = roles.has_colors() && !vertex_has_colors;
+    if (has_colors) use_colors(roles);
+    if (roles.has_colors() && vertex_has_colors) tell_unused_face_colors(element.count, file_.findings);
+    const bool has_texcoords = roles.has({Role::texcoords}), has_texture = roles.has({Role::texture});
     corner_attributes_.emplace(file_, has_texcoords, has_colors, has_texture);
     face_rows_.reserve(16 * element.count);  // Of triangles.
 
-    std::vector<std::uint32_t> corners;
-    std::vector<float> texcoords;
+    Face face;
     std::size_t n_odd_texcoords = 0;
     for (std::size_t f = 0; f < element.count; ++f) {
-      float color[3] = {1, 1, 1};
-      double texture = 0;
-      texcoords.clear();
-      for (std::size_t p = 0; p < roles.size(); ++p) {
-        const PlyProperty& property = element.properties[p];
-        switch (roles[p]) {
-          case Role::indices:
-            read_indices(property, corners);
-            break;
-          case Role::texcoords:
-            texcoords.resize(list_length(property));
-            for (float& t : texcoords) t = body_.number_f32(property.type);
-            break;
-          case Role::texture:
-            texture = body_.number(property.type);
-            break;
-          case Role::red:
-          case Role::green:
-          case Role::blue:
-            color[static_cast<int>(roles[p]) - static_cast<int>(Role::red)] =
-                body_.number_f32(property.type) / channel_scale(property.type);
-            break;
-          default:
-            skip(property);
-        }
-      }
-      const std::uint32_t material = has_texture ? material_of_texture(texture) : 0;
+      read_face(element, roles, face);
+      const std::uint32_t material = has_texture ? material_of_texture(face.texture) : 0;
       if (has_texture) file_.face_materials.push_back(material);
-      if (has_colors || has_texcoords || has_texture) {
-        const LinearRgb c{color[0], color[1], color[2]};
-        const bool is_mapped = texcoords.size() == 2 * corners.size();
-        n_odd_texcoords += has_texcoords && !is_mapped;
-        for (std::size_t i = 0; i < corners.size(); ++i) {
-          const glm::vec2 t = is_mapped ? glm::vec2(texcoords[2 * i], texcoords[2 * i + 1]) : glm::vec2(0);
-          corners[i] = corner_attributes_->vertex_for(corners[i], t, c, material);
-        }
-      }
-      append_face(corners);
+      if (has_colors || has_texcoords || has_texture)
+        n_odd_texcoords += !split_corners(face, material) && has_texcoords;
+      append_face(face.corners);
     }
     add_finding(file_.findings, "odd_texcoords", n_odd_texcoords,
                 "face[ has|s have] no texture coordinate for each corner; (0,0) instead");
+  }
+
+  void read_face(const PlyElement& element, const Roles& roles, Face& face) {
+    for (std::size_t p = 0; p < element.properties.size(); ++p) {
+      const PlyProperty& property = element.properties[p];
+      switch (roles.of_property[p]) {
+        case Role::indices:
+          read_indices(property, face.corners);
+          break;
+        case Role::texcoords:
+          face.texcoords.resize(list_length(property));
+          for (float& t : face.texcoords) t = number_f32(property.type);
+          break;
+        case Role::texture:
+          face.texture = body_.number(property.type);
+          break;
+        case Role::none:
+          skip(property);
+          break;
+        default:
+          face.channels[roles.of_property[p]] = number_f32(property.type) / channel_scale(property.type);
+      }
+    }
+  }
+
+  /// Gives the corners vertices that have the attributes of the face. @returns whether it has a texture
+  /// coordinate for each.
+  bool split_corners(Face& face, std::uint32_t material) {
+    const LinearRgb color{face.channels[Role::red], face.channels[Role::green], face.channels[Role::blue]};
+    const bool is_mapped = face.texcoords.size() == 2 * face.corners.size();
+    for (std::size_t i = 0; i < face.corners.size(); ++i) {
+      const glm::vec2 t =
+          is_mapped ? glm::vec2(face.texcoords[2 * i], face.texcoords[2 * i + 1]) : glm::vec2(0);
+      face.corners[i] = corner_attributes_->vertex_for(face.corners[i], t, color, material);
+    }
+    return is_mapped;
   }
 
   std::uint32_t material_of_texture(double number) const {
@@ -455,7 +368,7 @@ CanonicalFile scan_ply(const std::string& path) {
   std::string bytes;  // Of a binary file: all of them.
   if (header.encoding == PlyEncoding::ascii) {
     file.format = "PLY ascii";
-    PlyScan(path, header, AsciiBody(cursor), bytes, file).run();
+    PlyScan(path, header, AsciiPlyBody(cursor), bytes, file).run();
     return file;
   }
   input.rewind();
@@ -463,11 +376,11 @@ CanonicalFile scan_ply(const std::string& path) {
   const std::string_view body = std::string_view(bytes).substr(header.size);
   if (header.encoding == PlyEncoding::big_endian) {
     file.format = "PLY binary BE";
-    PlyScan(path, header, BinaryBody<true>(path, body, header.size), bytes, file).run();
+    PlyScan(path, header, BinaryPlyBody<true>(path, body, header.size), bytes, file).run();
   } else {
     file.format = "PLY binary LE";
     if (!take_plain_ply(header, bytes, file))
-      PlyScan(path, header, BinaryBody<false>(path, body, header.size), bytes, file).run();
+      PlyScan(path, header, BinaryPlyBody<false>(path, body, header.size), bytes, file).run();
   }
   return file;
 }

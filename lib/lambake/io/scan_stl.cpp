@@ -3,15 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <cmath>
 #include <cstring>
 #include <limits>
 
 #include "lambake/core/bounds.h"
 #include "lambake/core/error.h"
+#include "lambake/core/value_numbers.h"
 #include "lambake/io/canonical_file.h"
 #include "lambake/io/canonical_ply.h"
-#include "lambake/io/file_color.h"
 #include "lambake/io/input_file.h"
 #include "lambake/io/text_blocks.h"
 #include "lambake/io/text_cursor.h"
@@ -35,8 +34,8 @@ class FacetSink {
     for (std::size_t c = 0; c < 3; ++c) {
       const glm::vec3& p = corners[c];
       const std::size_t n_before = numbers_.size();
-      ids[c] = numbers_.number_of(p.x + 0.0f, p.y + 0.0f, p.z + 0.0f);
-      if (numbers_.size() > n_before) vertex_rows_.append(reinterpret_cast<const char*>(&p), sizeof p);
+      ids[c] = numbers_.number_of({p.x + 0.0f, p.y + 0.0f, p.z + 0.0f});
+      if (numbers_.size() > n_before) append_values(vertex_rows_, &p);
       if (numbers_.size() > std::numeric_limits<std::int32_t>::max())
         throw IoError(
             path_, fmt::format("facet {}: expected fewer than 2^31 vertices, found more", file_.n_faces + 1));
@@ -53,7 +52,7 @@ class FacetSink {
  private:
   const std::string& path_;
   CanonicalFile& file_;
-  ValueNumbers numbers_;
+  ValueNumbers<3> numbers_;
   std::string vertex_rows_, face_rows_;
 };
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "lambake/scene/camera.h"
@@ -19,5 +20,14 @@ struct Scene {
   std::vector<Light> lights;
   std::vector<Camera> cameras;
 };
+
+/// How many of the materials that triangles are of `is_counted(m)`, m being the material's index.
+template <typename IsCounted>
+std::size_t count_used_materials(const Scene& scene, const IsCounted& is_counted) {
+  const std::vector<bool> is_used = used_materials(scene.mesh, scene.materials.size());
+  std::size_t n = 0;
+  for (std::size_t m = 0; m < is_used.size(); ++m) n += is_used[m] && is_counted(m);
+  return n;
+}
 
 }  // namespace lambake

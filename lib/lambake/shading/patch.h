@@ -12,11 +12,6 @@
 
 namespace lambake {
 
-/// A colour as what follows has it.
-inline glm::dvec3 to_double(const LinearRgb& c) {
-  return {c.r, c.g, c.b};
-}
-
 /// What is linear over a triangle, in double: column i of a matrix belongs to corner i, so that
 /// `positions * b` is the position at the barycentrics b. A part of a triangle is again a Patch, with the
 /// interpolated values of the whole one at its corners (normals as interpolated: their length counts).

@@ -1,8 +1,8 @@
 // What README.md shows of the library; run.cmake puts its lines into readme_sample.inc. Then a picture.
-#include "installed_headers.inc"
-
+// Whatever is installed can be included.
 #include <cstdio>
 
+#include "installed_headers.inc"
 #include "lambake/bake/bake.h"
 #include "lambake/core/error.h"
 #include "lambake/geometry/normals.h"

@@ -1,4 +1,4 @@
-#include "lambake/io/file_color.h"
+#include "lambake/core/value_numbers.h"
 
 #include <gtest/gtest.h>
 
@@ -6,15 +6,15 @@ namespace lambake {
 namespace {
 
 TEST(ValueNumbers, OfManyValues_AreThoseOfTheirFirstPlaces) {
-  ValueNumbers numbers;
+  ValueNumbers<3> numbers;
   for (int round = 0; round < 2; ++round)
     for (int i = 0; i < 30'000; ++i) {
       // Few bits of a grid's coordinates differ.
       const auto x = static_cast<float>(i % 100), y = static_cast<float>(i / 100);
-      ASSERT_EQ(numbers.number_of(x, y, 0), i);
+      ASSERT_EQ(numbers.number_of({x, y, 0}), i);
     }
   EXPECT_EQ(numbers.size(), 30'000u);
-  EXPECT_EQ(numbers.number_of(-0.0f, 0, 0), 30'000u);  // Bit by bit.
+  EXPECT_EQ(numbers.number_of({-0.0f, 0, 0}), 30'000u);  // Bit by bit.
 }
 
 }  // namespace
