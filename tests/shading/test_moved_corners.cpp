@@ -33,9 +33,9 @@ glm::dvec3 barycentrics_of(const Patch& patch, const glm::dvec3& p) {
 TEST(MovedCorners, NoneMovedOrNoArea_ChangesNothing) {
   Random random;
   Patch patch = random_patch(random);
-  EXPECT_EQ(change_by_moved_corners(patch, {}, patch.positions, ErrorSpace::linear), 0);
+  EXPECT_EQ(change_by_moved_corners(patch, {}, {patch.positions}, ErrorSpace::linear), 0);
   patch.positions[2] = patch.positions[1];
-  EXPECT_EQ(change_by_moved_corners(patch, {}, glm::dmat3(0.0), ErrorSpace::linear), 0);
+  EXPECT_EQ(change_by_moved_corners(patch, {}, {glm::dmat3(0.0)}, ErrorSpace::linear), 0);
 }
 
 TEST(MovedCorners, AlongTheGradientOfARightTriangle_TheSlopeTimesTheMove) {
@@ -45,7 +45,7 @@ TEST(MovedCorners, AlongTheGradientOfARightTriangle_TheSlopeTimesTheMove) {
   const auto moved = [&](const glm::dvec3& move) {
     glm::dmat3 stored = patch.positions;
     stored[0] += move;
-    return change_by_moved_corners(patch, {}, stored, ErrorSpace::linear);
+    return change_by_moved_corners(patch, {}, {stored}, ErrorSpace::linear);
   };
   EXPECT_DOUBLE_EQ(moved({0.1, 0, 0}), 0.025);
   EXPECT_DOUBLE_EQ(moved({-0.1, 0, 0}), 0.025);
@@ -55,7 +55,7 @@ TEST(MovedCorners, AlongTheGradientOfARightTriangle_TheSlopeTimesTheMove) {
   half.base_low = half.base_high = glm::dvec3(0.5);
   glm::dmat3 stored = patch.positions;
   stored[0].x += 0.1;
-  EXPECT_DOUBLE_EQ(change_by_moved_corners(patch, half, stored, ErrorSpace::linear), 0.0125);
+  EXPECT_DOUBLE_EQ(change_by_moved_corners(patch, half, {stored}, ErrorSpace::linear), 0.0125);
 }
 
 TEST(MovedCorners, BoundWithAChange_IsTheSumButOnScreenNoMoreThanAll) {
@@ -79,7 +79,7 @@ TEST(MovedCorners, RandomPatches_NoChangeIsAboveTheBound) {
       finish.base_low = glm::dvec3(random(0, 0.5));
       finish.base_high = finish.base_low + random(0, 0.5);
       finish.emission_low = finish.emission_high = glm::dvec3(random(0, 0.1));
-      const double bound = change_by_moved_corners(patch, finish, stored, space);
+      const double bound = change_by_moved_corners(patch, finish, {stored}, space);
       double found = 0;
       for (int k = 0; k < 20; ++k) {
         glm::dvec3 b(random(0, 1), random(0, 1), random(0, 1));

@@ -33,6 +33,8 @@ CutMesh::CutMesh(const Mesh& mesh) : mesh_(mesh), n_uncut_(mesh.n_vertices()) {
   positions_.assign(mesh.positions.begin(), mesh.positions.end());
   normals_.assign(mesh.normals.begin(), mesh.normals.end());
   for (const LinearRgb& c : mesh.colors) albedos_.emplace_back(c.r, c.g, c.b);
+  for (std::size_t set = 0; set < texcoords_.size(); ++set)
+    texcoords_[set].assign(mesh.texcoords[set].begin(), mesh.texcoords[set].end());
 }
 
 std::uint32_t CutMesh::make_vertex(std::uint32_t low, std::uint32_t high, float t, std::uint32_t place) {
@@ -57,11 +59,10 @@ std::uint32_t CutMesh::make_vertex(std::uint32_t low, std::uint32_t high, float 
   }
   if (!mesh_.opacities.empty())
     mesh_.opacities.push_back((1 - t) * mesh_.opacities[low] + t * mesh_.opacities[high]);
-  for (auto& set : mesh_.texcoords)
-    if (!set.empty()) {
-      const glm::vec2 uv = (1 - t) * set[low] + t * set[high];
-      set.push_back(uv);
-    }
+  for (std::size_t set = 0; set < texcoords_.size(); ++set) {
+    lerp(texcoords_[set]);
+    if (!texcoords_[set].empty()) mesh_.texcoords[set].emplace_back(texcoords_[set].back());
+  }
   // New vertices are none of the file's; copies of one place stay copies of one vertex.
   if (!mesh_.source_vertices.empty()) mesh_.source_vertices.push_back(next_source_ + place);
   if (!mesh_.normal_groups.empty()) mesh_.normal_groups.push_back(next_group_++);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <glm/glm.hpp>
@@ -62,6 +63,7 @@ class CutMesh {
   std::vector<EdgeCut> cuts_;
   std::vector<std::uint32_t> parents_, places_;
   std::vector<glm::dvec3> positions_, normals_, albedos_;
+  std::array<std::vector<glm::dvec2>, 2> texcoords_;
   std::vector<Side> sides_;             ///< To be split, by triangle.
   std::vector<std::uint32_t> middles_;  ///< The new vertex of each of `sides_`.
 };

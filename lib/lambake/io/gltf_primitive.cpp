@@ -205,6 +205,14 @@ VertexSelection VertexSelector::select(std::vector<glm::uvec3>& triangles, std::
   return {.n_accessor = n_vertices, .selected = std::move(used)};
 }
 
+/// How far from its place rounding to float puts what is made between vertices no larger than this one: in
+/// the coordinates of the file, and as the ends were rounded when they were placed.
+double rounding_between(const glm::dmat3& m, const glm::dvec3& position, const glm::dvec3& placed) {
+  const glm::dvec3 p = glm::abs(position),
+                   spread = glm::abs(m[0]) * p.x + glm::abs(m[1]) * p.y + glm::abs(m[2]) * p.z;
+  return 0x1p-24 * glm::length(spread + glm::abs(placed));
+}
+
 WorldVertices read_vertices(const GltfAsset& asset, std::size_t node_index,
                             const tinygltf::Primitive& primitive, const VertexSelection& selection,
                             const std::vector<glm::dmat4>& world, const std::string& where) {
@@ -223,13 +231,18 @@ WorldVertices read_vertices(const GltfAsset& asset, std::size_t node_index,
   glm::dmat4 matrix = world[node_index];
   glm::dmat3 of_normals = normal_matrix(glm::dmat3(matrix));
   bool is_mirrored = is_mirroring(glm::dmat3(matrix));
+  const bool is_as_in_file = !skinning && primitive.targets.empty() && matrix == glm::dmat4(1);
   for (std::size_t i = 0; i < n; ++i) {
     if (skinning) {
       matrix = skinning->matrix(i);
       of_normals = normal_matrix(glm::dmat3(matrix));
       is_mirrored = is_mirroring(glm::dmat3(matrix));
     }
-    vertices.positions[i] = glm::vec3(matrix * glm::dvec4(vec3_at(positions, i), 1));
+    const glm::dvec3 position = vec3_at(positions, i), placed(matrix * glm::dvec4(position, 1));
+    vertices.positions[i] = glm::vec3(placed);
+    if (!is_as_in_file)
+      vertices.cut_rounding =
+          std::max(vertices.cut_rounding, rounding_between(glm::dmat3(matrix), position, placed));
     if (!normals.empty()) vertices.normals[i] = unit_or_zero(of_normals * vec3_at(normals, i));
     n_mirrored += is_mirrored;
   }

@@ -32,6 +32,7 @@ struct WorldVertices {
   std::vector<glm::vec3> positions;
   std::vector<glm::vec3> normals;  ///< Unit vectors or (0,0,0); none where the primitive has none.
   bool is_mirrored = false;        ///< The winding turns.
+  double cut_rounding = 0;         ///< CutRounding::distance.
 };
 
 /// Vertices of a node's primitive in the pose of the file: morphed, skinned, placed. Normals go through the

@@ -154,20 +154,29 @@ bool has_cuts(const BakedPrimitive& baked) {
                      [](const VertexOrigin& origin) { return origin.is_cut; });
 }
 
-/// Gives the cuts among the origins their values.
+/// Gives the cuts among the origins their values: in double, cut upon cut, and rounded once, as the mesh has
+/// them (geometry/cutting.h).
 /// @param values  n_components of each origin; those of cuts do not matter.
 void interpolate(std::vector<float>& values, std::size_t n_components,
                  const std::vector<VertexOrigin>& origins, bool is_direction) {
+  std::vector<double> exact(values.begin(), values.end());
   for (std::size_t i = 0; i < origins.size(); ++i) {
     const VertexOrigin& origin = origins[i];
     if (!origin.is_cut) continue;
-    float* to = values.data() + i * n_components;
-    const float *a = values.data() + origin.a * n_components, *b = values.data() + origin.b * n_components;
-    for (std::size_t k = 0; k < n_components; ++k) to[k] = (1 - origin.t) * a[k] + origin.t * b[k];
-    if (!is_direction) continue;
-    const float length = std::sqrt(to[0] * to[0] + to[1] * to[1] + to[2] * to[2]);
-    for (std::size_t k = 0; k < 3; ++k) to[k] = length > 0 ? to[k] / length : a[k];
-    if (n_components == 4) to[3] = a[3];  // The handedness of a tangent.
+    const double *a = exact.data() + origin.a * n_components, *b = exact.data() + origin.b * n_components;
+    double* const to = exact.data() + i * n_components;
+    const double t = origin.t;
+    for (std::size_t k = 0; k < n_components; ++k) to[k] = (1 - t) * a[k] + t * b[k];
+    if (is_direction && n_components == 4) to[3] = a[3];  // The handedness of a tangent.
+    double scale = 1;
+    if (is_direction) {
+      const double length = std::sqrt(to[0] * to[0] + to[1] * to[1] + to[2] * to[2]);
+      scale = length > 0 ? 1 / length : 0;
+    }
+    float* const rounded = values.data() + i * n_components;
+    for (std::size_t k = 0; k < n_components; ++k)
+      rounded[k] = static_cast<float>(k < 3 ? scale * to[k] : to[k]);
+    if (is_direction && scale == 0) std::copy_n(values.data() + origin.a * n_components, 3, rounded);
   }
 }
 

@@ -26,6 +26,7 @@ ComparedSurface::ComparedSurface(const Scene& scene, const BakedColors& baked)
     : scene_(scene),
       mesh_(mesh_of(scene, baked)),
       colors_(baked.colors),
+      parents_(baked.parent_triangles),
       finishes_(scene),
       n_uncut_(mesh_.n_vertices() - std::min(baked.cuts.size(), mesh_.n_vertices())) {
   const auto check = [](const char* what, std::size_t found, std::size_t expected) {
@@ -45,6 +46,14 @@ ComparedSurface::ComparedSurface(const Scene& scene, const BakedColors& baked)
   interpolate(mesh_.positions, cut_positions_);
   interpolate(mesh_.normals, cut_normals_);
   if (!mesh_.colors.empty()) interpolate(mesh_.colors, cut_albedos_);
+}
+
+StoredCorners ComparedSurface::stored_corners(std::size_t triangle) const {
+  const glm::uvec3& t = mesh_.triangles[triangle];
+  const bool is_cut = std::max({t[0], t[1], t[2]}) >= n_uncut_;
+  return {{glm::dvec3(mesh_.positions[t[0]]), glm::dvec3(mesh_.positions[t[1]]),
+           glm::dvec3(mesh_.positions[t[2]])},
+          is_cut ? scene_.mesh.cut_rounding_of(parents_[triangle]) : 0};
 }
 
 Patch ComparedSurface::patch(std::size_t triangle) const {

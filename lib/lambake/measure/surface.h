@@ -5,6 +5,7 @@
 
 #include "lambake/bake/bake.h"
 #include "lambake/shading/finish.h"
+#include "lambake/shading/moved_corners.h"
 #include "lambake/shading/patch.h"
 
 namespace lambake {
@@ -21,11 +22,7 @@ class ComparedSurface {
   std::size_t n_triangles() const { return mesh_.n_triangles(); }
   Patch patch(std::size_t triangle) const;
   /// The corners of a triangle as the mesh has them: those that cuts made are rounded to float.
-  glm::dmat3 stored_corners(std::size_t triangle) const {
-    const glm::uvec3& t = mesh_.triangles[triangle];
-    return {glm::dvec3(mesh_.positions[t[0]]), glm::dvec3(mesh_.positions[t[1]]),
-            glm::dvec3(mesh_.positions[t[2]])};
-  }
+  StoredCorners stored_corners(std::size_t triangle) const;
   Finish finish_at(std::size_t triangle, const glm::dvec3& b) const {
     return finishes_.at(mesh_, triangle, b);
   }
@@ -38,6 +35,7 @@ class ComparedSurface {
   const Scene& scene_;
   const Mesh& mesh_;
   const std::vector<LinearRgb>& colors_;
+  const std::vector<std::uint32_t>& parents_;
   Finishes finishes_;
   std::size_t n_uncut_;                                                ///< Vertices before the cuts.
   std::vector<glm::dvec3> cut_positions_, cut_normals_, cut_albedos_;  ///< Of the vertices that cuts made.

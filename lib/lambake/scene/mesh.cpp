@@ -49,6 +49,13 @@ std::vector<bool> used_materials(const Mesh& mesh, std::size_t n_materials) {
   return is_used;
 }
 
+float Mesh::cut_rounding_of(std::size_t triangle) const {
+  const auto found =
+      std::upper_bound(cut_roundings.begin(), cut_roundings.end(), triangle,
+                       [](std::size_t t, const CutRounding& rounding) { return t < rounding.triangle_end; });
+  return found == cut_roundings.end() ? 0 : found->distance;
+}
+
 void check_mesh(const Mesh& mesh, std::size_t n_materials) {
   const std::size_t n_vertices = mesh.n_vertices();
   const std::size_t n_triangles = mesh.n_triangles();

@@ -10,6 +10,13 @@
 
 namespace lambake {
 
+/// How far a file may have a vertex from where it is made between two of consecutive triangles, as it rounds
+/// in other coordinates than those of the mesh.
+struct CutRounding {
+  std::uint32_t triangle_end = 0;  ///< From the end of the one before to here.
+  float distance = 0;
+};
+
 /// A triangle mesh as plain arrays, in world space. V vertices, F triangles.
 ///
 /// A vertex has one value of every attribute: where the corners of a file's vertex differ (texture
@@ -27,6 +34,8 @@ struct Mesh {
   std::vector<std::uint32_t>
       normal_groups;                        ///< V: equal numbers share one normal, or none: by source vertex.
   std::vector<std::uint32_t> source_faces;  ///< F: the file's face (polygon) of each, or none: the identity.
+  std::vector<CutRounding>
+      cut_roundings;  ///< Of all triangles, ascending; or none: the file has world space.
 
   std::size_t n_vertices() const { return positions.size(); }
   std::size_t n_triangles() const { return triangles.size(); }
@@ -43,6 +52,7 @@ struct Mesh {
   std::uint32_t source_face_of(std::size_t f) const {
     return source_faces.empty() ? static_cast<std::uint32_t>(f) : source_faces[f];
   }
+  float cut_rounding_of(std::size_t triangle) const;
 };
 
 /// Appends to every per-vertex array of `mesh` a copy of vertex `v`; returns the copy's index.

@@ -9,13 +9,18 @@
 
 namespace lambake {
 
+/// Where an output has the corners of a patch.
+struct StoredCorners {
+  glm::dmat3 positions;  ///< As columns.
+  double rounding = 0;   ///< Each may be this far off in any direction.
+};
+
 /// How much an interpolated colour changes, as compared, where the corners of its patch are stored elsewhere:
 /// the vertices that cuts make are rounded to float.
 ///
 /// An upper bound over the patch and its channels, for places in the plane of the patch; what leaves the
 /// plane is a change of the surface and not of its light. 0 for a patch without area.
-/// @param stored  the corners in the output, as columns.
-double change_by_moved_corners(const Patch& patch, const FinishRange& finish, const glm::dmat3& stored,
+double change_by_moved_corners(const Patch& patch, const FinishRange& finish, const StoredCorners& stored,
                                ErrorSpace space);
 
 /// A bound of the error with such a change added; on screen nothing is more than 1 off.
