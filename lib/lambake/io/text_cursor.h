@@ -10,6 +10,7 @@
 
 #include "lambake/core/error.h"
 #include "lambake/io/text_blocks.h"
+#include "lambake/io/text_number.h"
 
 namespace lambake {
 
@@ -91,13 +92,16 @@ class TextCursor {
     return {begin, static_cast<std::size_t>(last - begin)};
   }
 
-  /// A number on this line; nan and inf are numbers, and so is what overflows.
+  /// A number on this line; nan and inf are numbers, also as Microsoft prints them ("-1.#IND"), and so is
+  /// what overflows.
   float number(const char* expected) {
     if (at_line_end()) fail(expected, {});
     float value = 0;
     const char* begin = at_;
     if (*begin == '+' && begin + 1 != end_ && begin[1] != '-') ++begin;
-    const auto [stop, error] = std::from_chars(begin, end_, value);
+    auto [stop, error] = std::from_chars(begin, end_, value);
+    if (stop != end_ && *stop == '#')
+      if (const auto read = microsoft_from_chars(begin, end_, value); read.ec == std::errc()) stop = read.ptr;
     if (error == std::errc::invalid_argument || (stop != end_ && !is_separator(*stop)))
       fail(expected, token());
     if (error == std::errc::result_out_of_range)
