@@ -65,5 +65,49 @@ TEST_F(TextFileTest, WordsBehindANumberSign_AreNoNumbersWithoutComments) {
     }
 }
 
+TEST_F(TextFileTest, ByteOrderMarkOfUtf8_IsSkipped) {
+  for (const TextFile& text : triangle_files("7", "0")) {
+    SCOPED_TRACE(text.name);
+    EXPECT_EQ(read(text.name, "\xEF\xBB\xBF" + text.bytes).scene.mesh.positions[0], glm::vec3(7, 0, 0));
+  }
+  // In binary files the body begins at a byte.
+  const auto binary_ply = [this](const std::string& mark, const std::string& type) {
+    std::string bytes = mark +
+                        "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\n"
+                        "property float y\nproperty float z\nelement face 1\nproperty list uchar " +
+                        type + " vertex_indices\nend_header\n";
+    for (const float x : {7, 0, 0, 1, 0, 0, 0, 1, 0}) bytes.append(reinterpret_cast<const char*>(&x), 4);
+    bytes += type == "int" ? std::string("\3\0\0\0\0\1\0\0\0\2\0\0\0", 13) : std::string("\3\0\1\2", 4);
+    return read("a.ply", bytes).scene.mesh;
+  };
+  for (const std::string type : {"int", "uchar"}) {  // Copied as it is, and read number by number.
+    const Mesh with = binary_ply("\xEF\xBB\xBF", type), without = binary_ply("", type);
+    EXPECT_EQ(with.positions, without.positions);
+    EXPECT_EQ(with.positions[0], glm::vec3(7, 0, 0));
+    EXPECT_EQ(with.triangles, without.triangles);
+  }
+}
+
+std::string utf16(const std::string& text, bool is_big_endian, bool has_mark) {
+  std::string bytes;
+  if (has_mark) bytes = is_big_endian ? "\xFE\xFF" : "\xFF\xFE";
+  for (const char c : text) bytes += is_big_endian ? std::string{'\0', c} : std::string{c, '\0'};
+  return bytes;
+}
+
+TEST_F(TextFileTest, Utf16_IsRefusedByItsName) {
+  for (const TextFile& text : triangle_files("7", "0"))
+    for (const bool is_big_endian : {false, true})
+      for (const bool has_mark : {false, true}) {
+        const std::string path = write(text.name, utf16(text.bytes, is_big_endian, has_mark));
+        EXPECT_EQ(refusal_of(path), path + ": expected text in UTF-8, found UTF-16");
+      }
+  write("a.mtl", utf16("newmtl a\nKd 1 0 0\n", false, true));
+  const SceneFile file = read("a.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n");
+  ASSERT_EQ(count_of(file, "missing_material_files"), 1U);
+  EXPECT_TRUE(file.findings[0].text.ends_with("expected text in UTF-8, found UTF-16"))
+      << file.findings[0].text;
+}
+
 }  // namespace
 }  // namespace lambake

@@ -20,6 +20,7 @@
 #include "lambake/io/obj_materials.h"
 #include "lambake/io/text_blocks.h"
 #include "lambake/io/text_cursor.h"
+#include "lambake/io/text_encoding.h"
 
 namespace lambake {
 namespace {
@@ -107,7 +108,7 @@ class ObjScan {
     for (std::span<char> block; !(block = blocks_.next()).empty();) {
       join_continued_lines(block, joined_);
       std::string_view text(block.data(), block.size());
-      if (line == 1) text = without_byte_order_mark(text);
+      if (line == 1) text = as_utf8(path_, text);
       TextCursor cursor(path_, text, '#', line);
       auto joined = joined_.begin();
       for (; cursor.skip_to_token(); cursor.next_line()) {

@@ -10,15 +10,10 @@
 
 #include "lambake/core/error.h"
 #include "lambake/io/text_blocks.h"
+#include "lambake/io/text_encoding.h"
 #include "lambake/io/text_number.h"
 
 namespace lambake {
-
-/// The text without the three bytes that some programs put in front of UTF-8.
-inline std::string_view without_byte_order_mark(std::string_view text) {
-  constexpr std::string_view mark = "\xEF\xBB\xBF";
-  return text.starts_with(mark) ? text.substr(mark.size()) : text;
-}
 
 /// A place in a text that is read token by token, strictly: whatever is not what was asked for throws IoError
 /// with the line. Lines end with LF, CR LF or CR.
@@ -31,10 +26,12 @@ class TextCursor {
         end_(text.data() + text.size()),
         line_(first_line),
         comment_(comment) {}
-  /// The text is a file's, block by block; skip_to_token() moves from one to the next.
+  /// The text is a file's, block by block, from its beginning; skip_to_token() moves from one to the next.
+  /// Begins behind a byte order mark. @throws IoError if it is UTF-16.
   TextCursor(const std::string& path, TextBlocks& blocks, char comment) : TextCursor(path, "", comment) {
     blocks_ = &blocks;
     next_block();
+    at_ = as_utf8(path, {at_, static_cast<std::size_t>(end_ - at_)}).data();
   }
 
   const char* position() const { return at_; }
