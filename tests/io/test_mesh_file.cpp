@@ -285,6 +285,18 @@ TEST_F(MeshFileTest, OffCounts_MayBeOnLinesOfTheirOwnAndLeaveOutTheEdges) {
             std::string::npos);
 }
 
+TEST_F(MeshFileTest, OffKeyword_MayBeLeftOutOrOfAnyCase) {
+  const std::string rest = "3 1 0\n7 0 0 1 0 0\n1 0 0 0 1 0\n0 1 0 0 0 1\n3 0 1 2\n";
+  for (const std::string keyword : {"", "# no keyword\n", "OFF\n", "off\n", "Off ", "COFF\n", "coff\n"}) {
+    SCOPED_TRACE(keyword);
+    const Mesh mesh = read("a.off", keyword + rest).scene.mesh;
+    EXPECT_EQ(mesh.positions[0], glm::vec3(7, 0, 0));
+    EXPECT_EQ(mesh.colors[1], (LinearRgb{0, 1.0f / 255.0f / 12.92f, 0}));
+  }
+  EXPECT_EQ(read("a.off", "noff\n" + rest).scene.mesh.normals[1], glm::vec3(0, 1, 0));
+  EXPECT_EQ(read("a.off", "NOFF\n" + rest).scene.mesh.normals[1], glm::vec3(0, 1, 0));
+}
+
 TEST_F(MeshFileTest, OffLinesBehindTheLastFace_AreTold) {
   const std::string text = "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
   EXPECT_EQ(count_of(read("a.off", text + "\n# end\n"), "lines_left_over"), 0u);
@@ -383,6 +395,8 @@ TEST_F(MeshFileTest, UnsoundFiles_AreRefusedWithThePlaceAndWhatWasExpected) {
       {"a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", "line 6", "below 3, found \"3\""},
       {"a.off", "OFF\n3 90 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", "line 2", "found \"90\""},
       {"a.off", "4OFF\n", "line 1", "found \"4OFF\""},
+      {"a.off", "nOFF\n", "line 1", "found \"nOFF\""},
+      {"a.off", "3.5 1 0\n", "line 1", "expected \"OFF\" (or COFF, NOFF, STOFF), found \"3.5\""},
       {"a.off", "OFF BINARY\n", "line 1", "found \"BINARY\""},
       {"a.ply", ply("property float x\n", "", 3, 1, triangle), "line 7", "found \"x\""},
       {"a.ply", ply("", "element face 1\n", 3, 1, triangle), "line 9",

@@ -18,21 +18,28 @@ struct OffHeader {
   bool has_texcoords = false, has_colors = false, has_normals = false;
 };
 
-/// Takes [ST][C][N]OFF, behind which a number may follow at once.
+/// Takes [ST][C][N]OFF in any case, behind which a number may follow at once. It may be left out: the counts
+/// are first then.
 OffHeader scan_header(TextCursor& cursor) {
   constexpr const char* expected = "\"OFF\" (or COFF, NOFF, STOFF)";
   if (!cursor.skip_to_token()) cursor.fail(expected, {});
-  TextCursor start = cursor;
-  OffHeader header;
-  if (cursor.accept('S')) {
-    if (!cursor.accept('T')) start.fail(expected, start.token());
-    header.has_texcoords = true;
-  }
-  header.has_colors = cursor.accept('C');
-  header.has_normals = cursor.accept('N');
-  for (const char c : {'O', 'F', 'F'})
-    if (!cursor.accept(c)) start.fail(expected, start.token());
   TextCursor ahead = cursor;
+  const std::string_view keyword = ahead.token();
+  OffHeader header;
+  if (keyword.find_first_not_of("0123456789") == std::string_view::npos) return header;
+  const auto accept = [&cursor](char c) {
+    return cursor.accept(c) || cursor.accept(static_cast<char>(c - 'A' + 'a'));
+  };
+  const auto expect = [&](char c) {
+    if (!accept(c)) cursor.fail(expected, keyword);
+  };
+  if (keyword.find("nO") != std::string_view::npos) cursor.fail(expected, keyword);  // Of n dimensions.
+  header.has_texcoords = accept('S');
+  if (header.has_texcoords) expect('T');
+  header.has_colors = accept('C');
+  header.has_normals = accept('N');
+  for (const char c : {'O', 'F', 'F'}) expect(c);
+  ahead = cursor;
   if (ahead.token() == "BINARY") cursor.fail("an OFF of text", "BINARY");
   return header;
 }
