@@ -297,6 +297,15 @@ TEST_F(MeshFileTest, OffKeyword_MayBeLeftOutOrOfAnyCase) {
   EXPECT_EQ(read("a.off", "NOFF\n" + rest).scene.mesh.normals[1], glm::vec3(0, 1, 0));
 }
 
+TEST_F(MeshFileTest, OffNumbersOfAColorMap_AreTold_WhereNoOtherColorIsToo) {
+  const std::string body = "0 0 0\n1 0 0\n0 1 0\n3 0 1 2 5\n3 2 1 0";
+  EXPECT_EQ(count_of(read("a.off", "OFF\n3 2 0\n" + body + " 17\n"), "color_map_indices"), 2U);
+  EXPECT_EQ(count_of(read("a.off", "OFF\n3 2 0\n" + body + " 255 0 0\n"), "color_map_indices"), 1U);
+  EXPECT_EQ(count_of(read("a.off", "OFF\n3 2 0\n" + body + "\n"), "missing_colors"), 0U);
+  const std::string of_vertices = "COFF\n3 1 0\n0 0 0 1\n1 0 0 2\n0 1 0 2\n3 0 1 2\n";
+  EXPECT_EQ(count_of(read("a.off", of_vertices), "color_map_indices"), 3U);
+}
+
 TEST_F(MeshFileTest, OffLinesBehindTheLastFace_AreTold) {
   const std::string text = "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
   EXPECT_EQ(count_of(read("a.off", text + "\n# end\n"), "lines_left_over"), 0u);

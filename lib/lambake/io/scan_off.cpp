@@ -73,6 +73,10 @@ class OffColors {
     }
     is_given_.push_back(n >= 3);
   }
+  void tell_map_indices(Findings& findings) const {
+    add_finding(findings, "color_map_indices", n_map_indices_,
+                "colour[ is a number|s are numbers] in a colour map; white instead");
+  }
   /// Linear colours, one for each call of scan.
   std::vector<LinearRgb> decode(const char* what, Findings& findings) {
     colors_.resize(is_given_.size());
@@ -84,8 +88,6 @@ class OffColors {
         colors_[i] = colors_[i] * (1.0f / 255.0f);
     }
     decode_opacities(decode_file_colors(colors_, findings, channels));
-    add_finding(findings, "color_map_indices", n_map_indices_,
-                "colour[ is a number|s are numbers] in a colour map; white instead");
     add_finding(findings, "missing_colors", n_missing_ - n_map_indices_,
                 fmt::format("{} ha[s|ve] no colour though others have; white instead", what));
     return std::move(colors_);
@@ -217,6 +219,8 @@ class OffScan {
     add_finding(findings, "lines_left_over", cursor_.count_lines(),
                 "line[|s] behind the last face [is|are] not read");
     // Colours of the vertices are finer than those of the faces: where a file has both, they win.
+    vertex_colors_.tell_map_indices(findings);
+    if (vertex_colors_.empty()) face_colors_.tell_map_indices(findings);
     if (!vertex_colors_.empty()) {
       file_.colors = vertex_colors_.decode("vert[ex|ices]", findings);
       file_.opacities = vertex_colors_.take_opacities();
