@@ -237,6 +237,28 @@ TEST_F(MeshFileTest, TexcoordsThatAreNotFinite_AreZeroAndTold) {
   }
 }
 
+TEST_F(MeshFileTest, ObjPolypaintOfZBrush_IsTheColorOfEachVertexInTurn) {
+  const std::string vertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\n", face = "f 1 2 3\n";
+  const std::string first = "# The following MRGB block\n#MRGB ffff0000ff00FF00\n",
+                    last = "#MRGB 000000ff\n#End\n";
+  const SceneFile file = read("a.obj", vertices + first + last + face);
+  EXPECT_EQ(file.scene.mesh.colors, (std::vector<LinearRgb>{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}));
+  EXPECT_EQ(count_of(file, "unread_colors"), 0U);
+  const std::string blank(2'000'000, '\n');  // Blocks of their own.
+  EXPECT_EQ(read("a.obj", vertices + first + blank + last + face).scene.mesh.colors, file.scene.mesh.colors);
+  // Not one for each vertex, or digits that are none.
+  for (const std::string& rest :
+       {first, first + last + last, first + "#MRGB 000000fg\n", first + "#MRGB 000000\n"}) {
+    const SceneFile odd = read("a.obj", vertices + rest + face);
+    EXPECT_TRUE(odd.scene.mesh.colors.empty()) << rest;
+    EXPECT_GE(count_of(odd, "unread_colors"), 2U) << rest;
+  }
+  const SceneFile both = read("a.obj", "v 0 0 0 0 0 1\nv 1 0 0 0 0 1\nv 0 1 0 0 0 1\n" + first + last + face);
+  EXPECT_EQ(both.scene.mesh.colors[0], (LinearRgb{0, 0, 1}));
+  EXPECT_EQ(count_of(both, "unread_colors"), 3U);
+  EXPECT_EQ(count_of(read("a.obj", vertices + face + "# see #MRGB ffff0000\n"), "unread_colors"), 0U);
+}
+
 TEST_F(MeshFileTest, FaceColorsBesideThoseOfVertices_AreTold) {
   const std::string colors = "property uchar red\nproperty uchar green\nproperty uchar blue\n";
   const std::string body = "0 0 0 9 9 9\n1 0 0 9 9 9\n0 1 0 9 9 9\n3 0 1 2 255 0 0\n";
