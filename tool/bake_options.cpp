@@ -194,6 +194,25 @@ void check_baked_path(const std::string& path, const OutputOptions& options) {
   check_gltf_write_options(gltf_options(options));
 }
 
+void check_levels(const BakeMethodOptions& options, const std::string& path, const SceneFile& file) {
+  if (options.method != "uniform" || file_extension(path) != "glb") return;
+  // The least: of the new vertices those inside of triangles alone. What comes from a glTF keeps its types,
+  // and several materials have indices of their own, which may be short.
+  constexpr double most_bytes = 4294967295.0;
+  const double index_size = file.scene.materials.size() > 1 ? 2 : 4;
+  const double vertex_size = file.asset ? 6 + 4 : 12 + 12 + 4;  // Position, normal, colour.
+  const double n_parts = std::exp2(options.levels);             // Of each edge.
+  const auto n_before = static_cast<double>(file.scene.mesh.n_triangles());
+  const double n_triangles = n_before * n_parts * n_parts;
+  const double n_vertices = n_before * (n_parts - 1) * (n_parts - 2) / 2;
+  const double n_bytes = 3 * index_size * n_triangles + vertex_size * n_vertices;
+  if (n_bytes > most_bytes)
+    throw InvalidOption(
+        fmt::format("--levels {}: expected levels that a GLB can hold, of at most {:.0f} bytes, found {:.0f} "
+                    "triangles, at least {:.0f} bytes",
+                    options.levels, most_bytes, n_triangles, n_bytes));
+}
+
 ColorOutput output_of(const std::string& path, const SceneFile& file, const OutputOptions& options) {
   return file_extension(path) == "ply" ? ply_output(file.scene, ply_options(options))
                                        : gltf_output(file, gltf_options(options));

@@ -59,6 +59,10 @@ void add_output_options(CLI::App& command, OutputOptions& options);
 /// Throws InvalidOption unless `path` ends in .glb, .gltf or .ply and the options fit it.
 void check_baked_path(const std::string& path, const OutputOptions& options);
 
+/// Throws InvalidOption if uniform cuts make more than a GLB can hold, where `path` is one, before time and
+/// memory go into them.
+void check_levels(const BakeMethodOptions& options, const std::string& path, const SceneFile& file);
+
 /// What write_baked() makes of colours.
 ColorOutput output_of(const std::string& path, const SceneFile& file, const OutputOptions& options);
 

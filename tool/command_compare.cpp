@@ -201,6 +201,7 @@ int compare_and_write(const CompareCommand& command, const std::string& command_
 
   const LoadedScene loaded = load_scene(command.scene, console, stopwatch);
   const Scene& scene = loaded.file.scene;
+  check_levels(command.method, "lit.glb", loaded.file);
   console.stage("baking");
   const ColorOutput output = output_of("lit.glb", loaded.file, command.output);
   BakedScene result = bake_scene(scene, command.method, how, console, output);

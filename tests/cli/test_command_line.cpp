@@ -88,6 +88,19 @@ TEST(CommandLine, OptionsThatTheMethodDoesNotHeed_AreTold) {
             "lambake: --scene says nothing to OFF; it is for glTF\n");
 }
 
+TEST(CommandLine, LevelsThatNoGlbCanHold_AreRefusedBeforeTheCutting) {
+  const ScratchFolder folder("levels");
+  write_octahedron(folder / "in.off");
+  for (const char* arguments : {"bake in.off --sun 0,0,1 --method uniform --levels 13 -o a.ply -o a.glb",
+                                "compare in.off --sun 0,0,1 --method uniform --levels 13 -o compared"}) {
+    const ToolResult result = run_tool(folder, arguments);
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_EQ(result.err,
+              "lambake: --levels 13: expected levels that a GLB can hold, of at most 4294967295 bytes, found "
+              "536870912 triangles, at least 13955891424 bytes\n");
+  }
+}
+
 TEST(CommandLine, Help_EveryCommand_HasAnExampleThatRuns) {
   const ScratchFolder folder("help");
   write_octahedron(folder / "bunny.ply.off");

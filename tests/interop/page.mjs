@@ -10,7 +10,7 @@ import Ajv from "ajv/dist/2020.js";
 import { chromium } from "playwright-core";
 
 const root = fileURLToPath(new URL("../..", import.meta.url));
-const widths = [1440, 390];
+const widths = [1440, 900, 390];
 let folder, browser, compare, chart;
 
 before(async () => {

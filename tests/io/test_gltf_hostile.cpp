@@ -57,6 +57,9 @@ TEST(HostileGltf, EachSpoiltPart_IsRefusedInOneLineThatNamesIt) {
          j["meshes"][0]["primitives"][0]["attributes"]["_ID"] = 2;
        },
        3, "meshes[0].primitives[0]._ID"},
+      // Its members are named, not numbered.
+      {"glTF 1.0", [](auto& j) { j["asset"]["version"] = "1.0", j["scene"] = "default"; }, 3,
+       "asset.version: expected \"2.0\", found \"1.0\""},
       {"accessor past its view", [](auto& j) { j["accessors"][0]["count"] = 4; }, 3, "accessors[0]"},
       {"accessor offset that wraps", [](auto& j) { j["accessors"][0]["byteOffset"] = 0xFFFFFFFFFFFFFFF0U; },
        3, ""},

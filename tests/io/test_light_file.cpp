@@ -150,6 +150,7 @@ TEST_F(LightFile, WhatIsNoLightsFile_IsRefused) {
   EXPECT_EQ(refusal("[]"), "expected {\"lights\": [...]}");
   EXPECT_EQ(refusal(R"({"lights": {}})"), "expected {\"lights\": [...]}");
   EXPECT_EQ(refusal("").rfind("expected content", 0), 0U);
+  EXPECT_EQ(refusal("\xFF\xFE{"), "expected text in UTF-8, found UTF-16");
 }
 
 TEST_F(LightFile, ValuesOfAnySize_AreToldInAShortLine) {

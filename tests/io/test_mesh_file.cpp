@@ -237,6 +237,28 @@ TEST_F(MeshFileTest, TexcoordsThatAreNotFinite_AreZeroAndTold) {
   }
 }
 
+TEST_F(MeshFileTest, ObjPolypaintOfZBrush_IsTheColorOfEachVertexInTurn) {
+  const std::string vertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\n", face = "f 1 2 3\n";
+  const std::string first = "# The following MRGB block\n#MRGB ffff0000ff00FF00\n",
+                    last = "#MRGB 000000ff\n#End\n";
+  const SceneFile file = read("a.obj", vertices + first + last + face);
+  EXPECT_EQ(file.scene.mesh.colors, (std::vector<LinearRgb>{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}));
+  EXPECT_EQ(count_of(file, "unread_colors"), 0U);
+  const std::string blank(2'000'000, '\n');  // Blocks of their own.
+  EXPECT_EQ(read("a.obj", vertices + first + blank + last + face).scene.mesh.colors, file.scene.mesh.colors);
+  // Not one for each vertex, or digits that are none.
+  for (const std::string& rest :
+       {first, first + last + last, first + "#MRGB 000000fg\n", first + "#MRGB 000000\n"}) {
+    const SceneFile odd = read("a.obj", vertices + rest + face);
+    EXPECT_TRUE(odd.scene.mesh.colors.empty()) << rest;
+    EXPECT_GE(count_of(odd, "unread_colors"), 2U) << rest;
+  }
+  const SceneFile both = read("a.obj", "v 0 0 0 0 0 1\nv 1 0 0 0 0 1\nv 0 1 0 0 0 1\n" + first + last + face);
+  EXPECT_EQ(both.scene.mesh.colors[0], (LinearRgb{0, 0, 1}));
+  EXPECT_EQ(count_of(both, "unread_colors"), 3U);
+  EXPECT_EQ(count_of(read("a.obj", vertices + face + "# see #MRGB ffff0000\n"), "unread_colors"), 0U);
+}
+
 TEST_F(MeshFileTest, FaceColorsBesideThoseOfVertices_AreTold) {
   const std::string colors = "property uchar red\nproperty uchar green\nproperty uchar blue\n";
   const std::string body = "0 0 0 9 9 9\n1 0 0 9 9 9\n0 1 0 9 9 9\n3 0 1 2 255 0 0\n";
@@ -283,6 +305,27 @@ TEST_F(MeshFileTest, OffCounts_MayBeOnLinesOfTheirOwnAndLeaveOutTheEdges) {
             glm::vec3(7, 0, 0));
   EXPECT_NE(refusal_of(write("a.off", "OFF 3 1\n" + std::string(99, ' '))).find("expected vertex 1 of 3"),
             std::string::npos);
+}
+
+TEST_F(MeshFileTest, OffKeyword_MayBeLeftOutOrOfAnyCase) {
+  const std::string rest = "3 1 0\n7 0 0 1 0 0\n1 0 0 0 1 0\n0 1 0 0 0 1\n3 0 1 2\n";
+  for (const std::string keyword : {"", "# no keyword\n", "OFF\n", "off\n", "Off ", "COFF\n", "coff\n"}) {
+    SCOPED_TRACE(keyword);
+    const Mesh mesh = read("a.off", keyword + rest).scene.mesh;
+    EXPECT_EQ(mesh.positions[0], glm::vec3(7, 0, 0));
+    EXPECT_EQ(mesh.colors[1], (LinearRgb{0, 1.0f / 255.0f / 12.92f, 0}));
+  }
+  EXPECT_EQ(read("a.off", "noff\n" + rest).scene.mesh.normals[1], glm::vec3(0, 1, 0));
+  EXPECT_EQ(read("a.off", "NOFF\n" + rest).scene.mesh.normals[1], glm::vec3(0, 1, 0));
+}
+
+TEST_F(MeshFileTest, OffNumbersOfAColorMap_AreTold_WhereNoOtherColorIsToo) {
+  const std::string body = "0 0 0\n1 0 0\n0 1 0\n3 0 1 2 5\n3 2 1 0";
+  EXPECT_EQ(count_of(read("a.off", "OFF\n3 2 0\n" + body + " 17\n"), "color_map_indices"), 2U);
+  EXPECT_EQ(count_of(read("a.off", "OFF\n3 2 0\n" + body + " 255 0 0\n"), "color_map_indices"), 1U);
+  EXPECT_EQ(count_of(read("a.off", "OFF\n3 2 0\n" + body + "\n"), "missing_colors"), 0U);
+  const std::string of_vertices = "COFF\n3 1 0\n0 0 0 1\n1 0 0 2\n0 1 0 2\n3 0 1 2\n";
+  EXPECT_EQ(count_of(read("a.off", of_vertices), "color_map_indices"), 3U);
 }
 
 TEST_F(MeshFileTest, OffLinesBehindTheLastFace_AreTold) {
@@ -383,6 +426,8 @@ TEST_F(MeshFileTest, UnsoundFiles_AreRefusedWithThePlaceAndWhatWasExpected) {
       {"a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", "line 6", "below 3, found \"3\""},
       {"a.off", "OFF\n3 90 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", "line 2", "found \"90\""},
       {"a.off", "4OFF\n", "line 1", "found \"4OFF\""},
+      {"a.off", "nOFF\n", "line 1", "found \"nOFF\""},
+      {"a.off", "3.5 1 0\n", "line 1", "expected \"OFF\" (or COFF, NOFF, STOFF), found \"3.5\""},
       {"a.off", "OFF BINARY\n", "line 1", "found \"BINARY\""},
       {"a.ply", ply("property float x\n", "", 3, 1, triangle), "line 7", "found \"x\""},
       {"a.ply", ply("", "element face 1\n", 3, 1, triangle), "line 9",

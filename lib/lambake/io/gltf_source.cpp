@@ -91,13 +91,17 @@ GlbChunks split_glb(const std::vector<unsigned char>& bytes, const std::string& 
   return chunks;
 }
 
+/// Of another version more than a type may be different: it is checked first.
+void check_version(const GltfSource& source) {
+  const GltfJson& version = member(member(source.json, "asset"), "version");
+  if (version.is_string() && !version.get_ref<const std::string&>().starts_with("2."))
+    throw IoError(source.path, "asset.version: expected \"2.0\", found " + shown(version));
+}
+
 void check_asset(const GltfSource& source) {
   const GltfJson& version = member(member(source.json, "asset"), "version");
   if (!version.is_string())
     throw IoError(source.path, "asset.version: expected \"2.0\", found " + shown(version));
-  const std::string text = version;
-  if (text.substr(0, 2) != "2.")
-    throw IoError(source.path, fmt::format("asset.version: expected \"2.0\", found \"{}\"", text));
   const GltfJson& least = member(member(source.json, "asset"), "minVersion");
   if (least.is_string() && least != "2.0")
     throw IoError(source.path, "asset.minVersion: expected \"2.0\", found " + shown(least));
@@ -188,6 +192,7 @@ GltfSource read_gltf_source(const std::string& path) {
   const GlbChunks chunks = source.is_glb ? split_glb(bytes, path) : GlbChunks{bytes, {}};
   source.json = parse_gltf_json(chunks.json, path);
   if (!source.json.is_object()) throw IoError(path, "expected a JSON object");
+  check_version(source);
   check_gltf_types(path, source.json);
   check_asset(source);
   for (std::size_t i = 0; i < member(source.json, "buffers").size(); ++i)

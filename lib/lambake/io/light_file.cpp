@@ -13,6 +13,7 @@
 #include "lambake/core/error.h"
 #include "lambake/io/input_file.h"
 #include "lambake/io/json_text.h"
+#include "lambake/io/text_encoding.h"
 
 namespace lambake {
 namespace {
@@ -126,7 +127,8 @@ class LightReader {
 }  // namespace
 
 std::vector<Light> read_light_file(const std::string& path) {
-  const std::string text = read_bytes(path);
+  const std::string bytes = read_bytes(path);
+  const std::string_view text = as_utf8(path, bytes);
   check_depth(path, text);
   json document;
   std::vector<std::set<std::string>> keys;  // Of the objects around the place, from the outermost on.

@@ -9,6 +9,7 @@
 #include "lambake/core/utf8.h"
 #include "lambake/io/file_color.h"
 #include "lambake/io/input_file.h"
+#include "lambake/io/text_encoding.h"
 
 namespace lambake {
 namespace {
@@ -82,15 +83,17 @@ void ObjMaterials::read_libraries(std::string_view names) {
 void ObjMaterials::read_library(const std::string& name) {
   if (!libraries_.insert(name).second) return;
   const std::string library = path_beside(path_, name);
-  std::string text;
+  std::string bytes;
+  std::string_view text;
   try {
-    text = read_named_bytes(library);
+    bytes = read_named_bytes(library);
+    text = as_utf8(library, bytes);
   } catch (const IoError& error) {
     missing_files_.push_back(error.what());
     return;
   }
   Entry* entry = nullptr;
-  TextCursor cursor(library, without_byte_order_mark(text), '#');
+  TextCursor cursor(library, text, '#');
   for (; cursor.skip_to_token(); cursor.next_line()) {
     const std::string_view keyword = cursor.token();
     if (keyword == "newmtl") {

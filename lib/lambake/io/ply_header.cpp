@@ -127,9 +127,8 @@ void tell_bytes_left_over(std::size_t n, Findings& findings) {
                 "byte[|s] behind the last element of the header [is|are] not read");
 }
 
-PlyHeader read_ply_header(const std::string& path, TextCursor& cursor) {
+PlyHeader read_ply_header(const std::string& path, TextCursor& cursor, std::size_t file_size) {
   PlyHeader header;
-  const std::size_t n_bytes = cursor.remaining();
   const std::string_view magic = cursor.token();
   if (magic != "ply" && magic != "PLY") cursor.fail("\"ply\"", magic);
   const bool ends_with_cr = ends_with_cr_alone(cursor);
@@ -161,7 +160,7 @@ PlyHeader read_ply_header(const std::string& path, TextCursor& cursor) {
   if (const std::string_view extra = cursor.token(); !extra.empty())
     cursor.fail("the end of the line", extra);
   end_last_line(cursor, ends_with_cr);
-  header.size = n_bytes - cursor.remaining();
+  header.size = file_size - cursor.remaining();
   check_counts(path, header, cursor.remaining());
   return header;
 }

@@ -63,8 +63,9 @@ inline constexpr std::string_view ply_linear_colors_comment = "colours are linea
 void tell_bytes_left_over(std::size_t n, Findings& findings);
 
 /// Reads the header and checks that the body can hold what it promises.
-/// @param cursor  at the beginning of the file; left at the beginning of the body. @throws IoError.
-PlyHeader read_ply_header(const std::string& path, TextCursor& cursor);
+/// @param cursor  at the beginning of the file; left at the beginning of the body.
+/// @param file_size  in bytes. @throws IoError.
+PlyHeader read_ply_header(const std::string& path, TextCursor& cursor, std::size_t file_size);
 
 /// The header of a little-endian file.
 std::string ply_header_text(const std::vector<std::string>& comments,

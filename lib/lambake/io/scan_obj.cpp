@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <charconv>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -20,6 +21,7 @@
 #include "lambake/io/obj_materials.h"
 #include "lambake/io/text_blocks.h"
 #include "lambake/io/text_cursor.h"
+#include "lambake/io/text_encoding.h"
 
 namespace lambake {
 namespace {
@@ -98,16 +100,17 @@ class ObjScan {
     std::uint32_t vertex, texcoord, normal;
   };
 
-  /// Calls `visit(cursor, keyword)` for each line of the file that is not empty, the cursor behind its
-  /// keyword.
-  template <typename Visit>
-  void for_each_line(Visit&& visit) {
+  /// Calls `visit_block(text)` for each block of lines, then `visit(cursor, keyword)` for each of them that
+  /// is not empty, the cursor behind its keyword.
+  template <typename VisitBlock, typename Visit>
+  void for_each_line(VisitBlock&& visit_block, Visit&& visit) {
     blocks_.rewind();
     std::size_t line = 1;
     for (std::span<char> block; !(block = blocks_.next()).empty();) {
       join_continued_lines(block, joined_);
       std::string_view text(block.data(), block.size());
-      if (line == 1) text = without_byte_order_mark(text);
+      if (line == 1) text = as_utf8(path_, text);
+      visit_block(text);
       TextCursor cursor(path_, text, '#', line);
       auto joined = joined_.begin();
       for (; cursor.skip_to_token(); cursor.next_line()) {
@@ -120,7 +123,8 @@ class ObjScan {
 
   /// First pass: v, vt, vn, vc, mtllib. Faces may name what comes behind them.
   void scan_attributes() {
-    for_each_line([this](TextCursor& cursor, std::string_view keyword) {
+    const auto scan_comments = [this](std::string_view text) { scan_polypaint(text); };
+    for_each_line(scan_comments, [this](TextCursor& cursor, std::string_view keyword) {
       if (keyword == "v") {
         scan_vertex(cursor);
       } else if (keyword == "vt") {
@@ -172,6 +176,23 @@ class ObjScan {
     return c;
   }
 
+  /// ZBrush writes colours into comments: "#MRGB " and MMRRGGBB for each vertex in turn, MM being a mask.
+  void scan_polypaint(std::string_view text) {
+    constexpr std::string_view keyword = "#MRGB ";
+    constexpr std::size_t n_digits = 8;
+    for (std::size_t at = 0; (at = text.find(keyword, at)) != std::string_view::npos;) {
+      const bool begins_line = at == 0 || text[at - 1] == '\n' || text[at - 1] == '\r';
+      at += keyword.size();
+      for (; begins_line && text.size() - at >= n_digits; at += n_digits) {
+        const char *const begin = text.data() + at, *const end = begin + n_digits;
+        std::uint32_t mrgb = 0;
+        if (std::from_chars(begin, end, mrgb, 16).ptr != end) break;
+        const auto channel = [mrgb](int shift) { return static_cast<float>(mrgb >> shift & 0xFF) / 255.0f; };
+        polypaint_.push_back({channel(16), channel(8), channel(0)});
+      }
+    }
+  }
+
   void scan_texcoord(TextCursor& cursor) {
     glm::vec2 t(0);
     t.x = cursor.number("two numbers after \"vt\"");
@@ -195,7 +216,8 @@ class ObjScan {
     face_rows_.reserve(16 * n_face_lines_);  // Of triangles.
     std::size_t n_unknown = 0;
     std::uint32_t material = 0;
-    for_each_line([&](TextCursor& cursor, std::string_view keyword) {
+    const auto skip_comments = [](std::string_view) {};
+    for_each_line(skip_comments, [&](TextCursor& cursor, std::string_view keyword) {
       if (keyword == "v") {
         ++n_seen_[0];
       } else if (keyword == "vt") {
@@ -308,6 +330,13 @@ class ObjScan {
                   "corner[ has|s have] no texture coordinate; (0,1) instead");
     add_finding(file_.findings, "non_finite_attributes", n_odd_attributes_,
                 "normal[ or texture coordinate is|s or texture coordinates are] not finite; zero instead");
+    if (file_.colors.empty() && vc_colors_.empty() && polypaint_.size() == n_vertices_)
+      file_.colors = std::move(polypaint_);
+    else
+      add_finding(
+          file_.findings, "unread_colors", polypaint_.size(),
+          "colour[|s] of ZBrush, in comments, [is|are] not read, as [it is|they are] not one for each "
+          "vertex or beside others");
     if (file_.colors.empty() && !vc_colors_.empty()) {
       file_.colors = std::move(vc_colors_);
       n_uncolored_ = n_vertices_ - std::min(n_vertices_, file_.colors.size());
@@ -336,7 +365,7 @@ class ObjScan {
   std::string vertex_rows_, face_rows_;
   std::vector<glm::vec2> texcoords_;  // By index in the file, as are the normals.
   std::vector<glm::vec3> normals_;
-  std::vector<LinearRgb> vc_colors_;
+  std::vector<LinearRgb> vc_colors_, polypaint_;
   std::vector<Corner> corners_;     // Of one face.
   std::vector<std::uint32_t> ids_;  // Of them.
   std::int64_t n_seen_[3] = {0, 0, 0};

@@ -18,21 +18,28 @@ struct OffHeader {
   bool has_texcoords = false, has_colors = false, has_normals = false;
 };
 
-/// Takes [ST][C][N]OFF, behind which a number may follow at once.
+/// Takes [ST][C][N]OFF in any case, behind which a number may follow at once. It may be left out: the counts
+/// are first then.
 OffHeader scan_header(TextCursor& cursor) {
   constexpr const char* expected = "\"OFF\" (or COFF, NOFF, STOFF)";
   if (!cursor.skip_to_token()) cursor.fail(expected, {});
-  TextCursor start = cursor;
-  OffHeader header;
-  if (cursor.accept('S')) {
-    if (!cursor.accept('T')) start.fail(expected, start.token());
-    header.has_texcoords = true;
-  }
-  header.has_colors = cursor.accept('C');
-  header.has_normals = cursor.accept('N');
-  for (const char c : {'O', 'F', 'F'})
-    if (!cursor.accept(c)) start.fail(expected, start.token());
   TextCursor ahead = cursor;
+  const std::string_view keyword = ahead.token();
+  OffHeader header;
+  if (keyword.find_first_not_of("0123456789") == std::string_view::npos) return header;
+  const auto accept = [&cursor](char c) {
+    return cursor.accept(c) || cursor.accept(static_cast<char>(c - 'A' + 'a'));
+  };
+  const auto expect = [&](char c) {
+    if (!accept(c)) cursor.fail(expected, keyword);
+  };
+  if (keyword.find("nO") != std::string_view::npos) cursor.fail(expected, keyword);  // Of n dimensions.
+  header.has_texcoords = accept('S');
+  if (header.has_texcoords) expect('T');
+  header.has_colors = accept('C');
+  header.has_normals = accept('N');
+  for (const char c : {'O', 'F', 'F'}) expect(c);
+  ahead = cursor;
   if (ahead.token() == "BINARY") cursor.fail("an OFF of text", "BINARY");
   return header;
 }
@@ -66,6 +73,10 @@ class OffColors {
     }
     is_given_.push_back(n >= 3);
   }
+  void tell_map_indices(Findings& findings) const {
+    add_finding(findings, "color_map_indices", n_map_indices_,
+                "colour[ is a number|s are numbers] in a colour map; white instead");
+  }
   /// Linear colours, one for each call of scan.
   std::vector<LinearRgb> decode(const char* what, Findings& findings) {
     colors_.resize(is_given_.size());
@@ -77,8 +88,6 @@ class OffColors {
         colors_[i] = colors_[i] * (1.0f / 255.0f);
     }
     decode_opacities(decode_file_colors(colors_, findings, channels));
-    add_finding(findings, "color_map_indices", n_map_indices_,
-                "colour[ is a number|s are numbers] in a colour map; white instead");
     add_finding(findings, "missing_colors", n_missing_ - n_map_indices_,
                 fmt::format("{} ha[s|ve] no colour though others have; white instead", what));
     return std::move(colors_);
@@ -210,6 +219,8 @@ class OffScan {
     add_finding(findings, "lines_left_over", cursor_.count_lines(),
                 "line[|s] behind the last face [is|are] not read");
     // Colours of the vertices are finer than those of the faces: where a file has both, they win.
+    vertex_colors_.tell_map_indices(findings);
+    if (vertex_colors_.empty()) face_colors_.tell_map_indices(findings);
     if (!vertex_colors_.empty()) {
       file_.colors = vertex_colors_.decode("vert[ex|ices]", findings);
       file_.opacities = vertex_colors_.take_opacities();

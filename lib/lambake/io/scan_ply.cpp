@@ -363,7 +363,7 @@ CanonicalFile scan_ply(const std::string& path) {
   InputFile input(path);
   TextBlocks blocks(input);
   TextCursor cursor(path, blocks, 0);
-  const PlyHeader header = read_ply_header(path, cursor);
+  const PlyHeader header = read_ply_header(path, cursor, input.size());
   CanonicalFile file;
   std::string bytes;  // Of a binary file: all of them.
   if (header.encoding == PlyEncoding::ascii) {

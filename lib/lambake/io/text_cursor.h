@@ -10,14 +10,10 @@
 
 #include "lambake/core/error.h"
 #include "lambake/io/text_blocks.h"
+#include "lambake/io/text_encoding.h"
+#include "lambake/io/text_number.h"
 
 namespace lambake {
-
-/// The text without the three bytes that some programs put in front of UTF-8.
-inline std::string_view without_byte_order_mark(std::string_view text) {
-  constexpr std::string_view mark = "\xEF\xBB\xBF";
-  return text.starts_with(mark) ? text.substr(mark.size()) : text;
-}
 
 /// A place in a text that is read token by token, strictly: whatever is not what was asked for throws IoError
 /// with the line. Lines end with LF, CR LF or CR.
@@ -30,10 +26,12 @@ class TextCursor {
         end_(text.data() + text.size()),
         line_(first_line),
         comment_(comment) {}
-  /// The text is a file's, block by block; skip_to_token() moves from one to the next.
+  /// The text is a file's, block by block, from its beginning; skip_to_token() moves from one to the next.
+  /// Begins behind a byte order mark. @throws IoError if it is UTF-16.
   TextCursor(const std::string& path, TextBlocks& blocks, char comment) : TextCursor(path, "", comment) {
     blocks_ = &blocks;
     next_block();
+    at_ = as_utf8(path, {at_, static_cast<std::size_t>(end_ - at_)}).data();
   }
 
   const char* position() const { return at_; }
@@ -91,13 +89,16 @@ class TextCursor {
     return {begin, static_cast<std::size_t>(last - begin)};
   }
 
-  /// A number on this line; nan and inf are numbers, and so is what overflows.
+  /// A number on this line; nan and inf are numbers, also as Microsoft prints them ("-1.#IND"), and so is
+  /// what overflows.
   float number(const char* expected) {
     if (at_line_end()) fail(expected, {});
     float value = 0;
     const char* begin = at_;
     if (*begin == '+' && begin + 1 != end_ && begin[1] != '-') ++begin;
-    const auto [stop, error] = std::from_chars(begin, end_, value);
+    auto [stop, error] = std::from_chars(begin, end_, value);
+    if (stop != end_ && *stop == '#')
+      if (const auto read = microsoft_from_chars(begin, end_, value); read.ec == std::errc()) stop = read.ptr;
     if (error == std::errc::invalid_argument || (stop != end_ && !is_separator(*stop)))
       fail(expected, token());
     if (error == std::errc::result_out_of_range)
