@@ -4,6 +4,7 @@
 
 #include <charconv>
 #include <cmath>
+#include <exception>
 #include <filesystem>
 #include <string_view>
 #include <system_error>

@@ -4,7 +4,8 @@
 #include <optional>
 
 #include "lambake/io/gltf_asset.h"
-#include "lambake/scene/scene.h"
+#include "lambake/scene/camera.h"
+#include "lambake/scene/light.h"
 
 /// Lights and cameras of glTF; internal to io.
 namespace lambake {

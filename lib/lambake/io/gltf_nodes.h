@@ -1,6 +1,8 @@
 #pragma once
 
 #include <glm/glm.hpp>
+#include <string>
+#include <vector>
 
 #include "lambake/io/gltf_asset.h"
 

@@ -3,7 +3,6 @@
 #include <string>
 
 #include "lambake/io/gltf.h"
-#include "lambake/io/gltf_color.h"
 #include "lambake/scene/material.h"
 
 /// The two ways a glTF file is made, and what they share; internal to io.

@@ -2,14 +2,8 @@
 
 #include <dlfcn.h>
 
-#include <algorithm>
-#include <cerrno>
-#include <cstdint>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <string_view>
+#include <utility>
 
 #include "lambake/core/error.h"
 #include "lambake/io/file_extension.h"

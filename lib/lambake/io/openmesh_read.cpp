@@ -11,6 +11,7 @@
 #include <exception>
 #include <istream>
 #include <mutex>
+#include <stdexcept>
 #include <streambuf>
 #include <string_view>
 

@@ -5,7 +5,7 @@
 
 #include "lambake/bake/bake.h"
 #include "lambake/io/color_storage.h"
-#include "lambake/io/scene_file.h"
+#include "lambake/scene/scene.h"
 
 namespace lambake {
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstring>
-#include <limits>
 
 #include "lambake/io/canonical_file.h"
 #include "lambake/io/canonical_ply.h"

@@ -1,6 +1,5 @@
 #include "lambake/io/scene_file.h"
 
-#include "lambake/core/error.h"
 #include "lambake/io/file_extension.h"
 #include "lambake/io/gltf.h"
 #include "lambake/io/mesh_file.h"

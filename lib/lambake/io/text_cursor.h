@@ -3,6 +3,7 @@
 #include <charconv>
 #include <cstddef>
 #include <cstdlib>
+#include <span>
 #include <string>
 #include <string_view>
 #include <system_error>
