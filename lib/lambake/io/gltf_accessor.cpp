@@ -12,22 +12,6 @@
 namespace lambake {
 namespace {
 
-std::size_t component_bytes(int component_type) {
-  switch (component_type) {
-    case TINYGLTF_COMPONENT_TYPE_BYTE:
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
-      return 1;
-    case TINYGLTF_COMPONENT_TYPE_SHORT:
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
-      return 2;
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
-    case TINYGLTF_COMPONENT_TYPE_FLOAT:
-      return 4;
-    default:
-      return 0;
-  }
-}
-
 /// Where the components of an element lie. Columns of matrices begin at multiples of 4 bytes (glTF 2.0,
 /// 3.6.2.4); all else is one column.
 struct ElementLayout {
@@ -62,33 +46,12 @@ T load(const unsigned char* bytes) {
 
 std::uint32_t load_unsigned(const unsigned char* bytes, int component_type) {
   switch (component_type) {
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+    case gltf::unsigned_byte:
       return load<std::uint8_t>(bytes);
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+    case gltf::unsigned_short:
       return load<std::uint16_t>(bytes);
     default:
       return load<std::uint32_t>(bytes);
-  }
-}
-
-/// Normalised integers by the specification: c / max, and for signed ones max(c / max, -1).
-float load_float(const unsigned char* bytes, int component_type, bool is_normalized) {
-  const auto scaled = [is_normalized](float value, float max) {
-    return is_normalized ? std::max(value / max, -1.0f) : value;
-  };
-  switch (component_type) {
-    case TINYGLTF_COMPONENT_TYPE_BYTE:
-      return scaled(load<std::int8_t>(bytes), 127);
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
-      return scaled(load<std::uint8_t>(bytes), 255);
-    case TINYGLTF_COMPONENT_TYPE_SHORT:
-      return scaled(load<std::int16_t>(bytes), 32767);
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
-      return scaled(load<std::uint16_t>(bytes), 65535);
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
-      return scaled(static_cast<float>(load<std::uint32_t>(bytes)), 4294967295.0f);
-    default:
-      return load<float>(bytes);
   }
 }
 
@@ -166,9 +129,7 @@ class AccessorCheck {
     expect(sparse.indices.byteOffset >= 0 && sparse.values.byteOffset >= 0, "sparse offsets of at least 0",
            "a negative one");
     const int type = sparse.indices.componentType;
-    expect(type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE || type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT ||
-               type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT,
-           "sparse indices of an unsigned componentType", type);
+    expect(gltf::is_unsigned(type), "sparse indices of an unsigned componentType", type);
     const std::size_t index_bytes = component_bytes(type);
     check_elements(sparse.indices.bufferView, index_of(sparse.indices.byteOffset), index_of(sparse.count),
                    index_bytes, index_bytes);
@@ -253,6 +214,42 @@ std::vector<float> floats_of(const tinygltf::Accessor& accessor, const std::vect
 }
 
 }  // namespace
+
+std::size_t component_bytes(int component_type) {
+  switch (component_type) {
+    case gltf::byte:
+    case gltf::unsigned_byte:
+      return 1;
+    case gltf::short_:
+    case gltf::unsigned_short:
+      return 2;
+    case gltf::unsigned_int:
+    case gltf::float_:
+      return 4;
+    default:
+      return 0;
+  }
+}
+
+float load_float(const unsigned char* bytes, int component_type, bool is_normalized) {
+  const auto scaled = [is_normalized](float value, float max) {
+    return is_normalized ? std::max(value / max, -1.0f) : value;
+  };
+  switch (component_type) {
+    case gltf::byte:
+      return scaled(load<std::int8_t>(bytes), 127);
+    case gltf::unsigned_byte:
+      return scaled(load<std::uint8_t>(bytes), 255);
+    case gltf::short_:
+      return scaled(load<std::int16_t>(bytes), 32767);
+    case gltf::unsigned_short:
+      return scaled(load<std::uint16_t>(bytes), 65535);
+    case gltf::unsigned_int:
+      return scaled(static_cast<float>(load<std::uint32_t>(bytes)), 4294967295.0f);
+    default:
+      return load<float>(bytes);
+  }
+}
 
 void check_accessors(const std::string& path, const tinygltf::Model& model) {
   AccessorCheck(path, model).run();

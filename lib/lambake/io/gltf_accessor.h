@@ -17,6 +17,12 @@ void check_accessors(const std::string& path, const tinygltf::Model& model);
 /// Components of an accessor's type: 1 for SCALAR to 16 for MAT4.
 std::size_t n_components_of(const tinygltf::Accessor& accessor);
 
+/// Bytes of a component; 0 where the type is none of glTF's.
+std::size_t component_bytes(int component_type);
+
+/// A component. Normalised integers by the specification: c / max, and for signed ones max(c / max, -1).
+float load_float(const unsigned char* bytes, int component_type, bool is_normalized);
+
 /// count × n_components values; integers as they are, or in [-1,1] where the accessor is normalised.
 std::vector<float> decode_floats(const tinygltf::Model& model, std::size_t accessor);
 

@@ -5,7 +5,6 @@
 #include <meshoptimizer.h>
 
 #include <cstring>
-#include <limits>
 #include <map>
 #include <memory>
 #include <utility>
@@ -35,13 +34,12 @@ class Decompressor {
     const std::size_t n_views = member(plain_, "bufferViews").size();
     std::vector<std::pair<std::size_t, const GltfJson*>> views;
     for (std::size_t i = 0; i < n_views; ++i) {
-      const GltfJson& extension =
-          member(member(source_.json["bufferViews"][i], "extensions"), "EXT_meshopt_compression");
+      const GltfJson& extension = member(member(source_.json["bufferViews"][i], "extensions"), gltf::meshopt);
       if (extension.is_object()) views.emplace_back(i, &extension);
     }
     const std::vector<bool> is_used = views.empty() ? std::vector<bool>() : used_views();
     for (const auto& [i, extension] : views) {
-      where_ = fmt::format("bufferViews[{}].extensions.EXT_meshopt_compression", i);
+      where_ = fmt::format("bufferViews[{}].extensions.{}", i, gltf::meshopt);
       if (is_used[i])
         decode_view(i, *extension);
       else
@@ -53,7 +51,7 @@ class Decompressor {
       const std::size_t n_primitives = member(plain_["meshes"][m], "primitives").size();
       for (std::size_t p = 0; p < n_primitives; ++p) {
         GltfJson& primitive = plain_["meshes"][m]["primitives"][p];
-        const GltfJson extension = member(member(primitive, "extensions"), "KHR_draco_mesh_compression");
+        const GltfJson extension = member(member(primitive, "extensions"), gltf::draco);
         if (!extension.is_object()) continue;
         where_ = fmt::format("meshes[{}].primitives[{}]", m, p);
         decode_draco(primitive, extension);

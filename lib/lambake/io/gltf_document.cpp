@@ -115,10 +115,7 @@ IndexElements::IndexElements(std::span<const glm::uvec3> triangles, std::size_t 
 
 GltfElements IndexElements::elements() const {
   const bool is_short = short_.size() == 3 * triangles_.size();
-  const auto bytes_of = [](const auto& values) {
-    return std::span(reinterpret_cast<const unsigned char*>(values.data()), values.size() * sizeof values[0]);
-  };
-  return {.bytes = is_short ? bytes_of(short_) : bytes_of(triangles_),
+  return {.bytes = is_short ? bytes_of(std::span(short_)) : bytes_of(triangles_),
           .count = 3 * triangles_.size(),
           .component_type = is_short ? gltf::unsigned_short : gltf::unsigned_int,
           .type = "SCALAR",

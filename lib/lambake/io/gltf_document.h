@@ -20,11 +20,23 @@ namespace gltf {
 inline constexpr int byte = 5120, unsigned_byte = 5121, short_ = 5122, unsigned_short = 5123,
                      unsigned_int = 5125, float_ = 5126;
 inline constexpr int array_buffer = 34962, element_array_buffer = 34963;
+constexpr bool is_unsigned(int component_type) {
+  return component_type == unsigned_byte || component_type == unsigned_short ||
+         component_type == unsigned_int;
+}
+inline constexpr const char *draco = "KHR_draco_mesh_compression", *meshopt = "EXT_meshopt_compression",
+                            *unlit = "KHR_materials_unlit";
 }  // namespace gltf
 
 /// A number of tinygltf's that has been checked.
 inline std::size_t index_of(int i) {
   return static_cast<std::size_t>(i);
+}
+
+/// Values as they lie in memory.
+template <typename T>
+std::span<const unsigned char> bytes_of(std::span<const T> values) {
+  return {reinterpret_cast<const unsigned char*>(values.data()), values.size_bytes()};
 }
 
 /// Bytes that are not copied: they have to outlive the document.

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <string_view>
@@ -78,7 +79,7 @@ class MaterialReader {
                                                       : AlphaMode::opaque;
     material.alpha_cutoff = static_cast<float>(from.alphaCutoff);
     material.is_double_sided = from.doubleSided;
-    material.is_unlit = member(member(json, "extensions"), "KHR_materials_unlit").is_object();
+    material.is_unlit = member(member(json, "extensions"), gltf::unlit).is_object();
     return material;
   }
 

@@ -1,14 +1,10 @@
 #include "lambake/io/gltf_merge.h"
 
-#include <string_view>
-
 #include "lambake/io/gltf_source.h"
 #include "lambake/io/image_file.h"
 
 namespace lambake {
 namespace {
-
-constexpr const char* meshopt = "EXT_meshopt_compression";
 
 /// Views may hold any component type: buffers begin at multiples of 8.
 void align(GltfDocument& document) {
@@ -58,7 +54,7 @@ void merge_buffers(const GltfAsset& asset, GltfDocument& document, Findings& fin
   GltfJson first, rest = GltfJson::array();
   for (std::size_t i = 0; i < asset.n_file_buffers; ++i) {
     GltfJson buffer = json["buffers"][i];
-    const bool has_bytes = member(member(buffer, "extensions"), meshopt).is_null() ||
+    const bool has_bytes = member(member(buffer, "extensions"), gltf::meshopt).is_null() ||
                            buffer.contains("uri") || (i == 0 && asset.is_glb);
     if (!has_bytes) {
       rest.push_back(std::move(buffer));
@@ -78,7 +74,8 @@ void merge_buffers(const GltfAsset& asset, GltfDocument& document, Findings& fin
     if (json.contains("bufferViews"))
       for (GltfJson& view : json["bufferViews"]) {
         move(view, moved);
-        if (!member(member(view, "extensions"), meshopt).is_null()) move(view["extensions"][meshopt], moved);
+        if (!member(member(view, "extensions"), gltf::meshopt).is_null())
+          move(view["extensions"][gltf::meshopt], moved);
       }
   }
   embed_images(asset, document, findings);

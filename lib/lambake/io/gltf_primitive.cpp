@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <optional>
+#include <utility>
 
 #include "lambake/core/error.h"
 #include "lambake/io/gltf_accessor.h"
@@ -15,6 +17,22 @@ namespace {
 
 glm::dvec3 vec3_at(const std::vector<float>& values, std::size_t i) {
   return {values[3 * i], values[3 * i + 1], values[3 * i + 2]};
+}
+
+/// Values of an attribute with `n_components` for each of the vertices wanted; empty where there is none.
+std::vector<float> read_attribute(const GltfAsset& asset, const std::map<std::string, int>& attributes,
+                                  const std::string& semantic, std::size_t n_components,
+                                  const VertexSelection& selection, const std::string& where) {
+  const auto found = attributes.find(semantic);
+  if (found == attributes.end()) return {};
+  const tinygltf::Accessor& accessor = asset.model.accessors[index_of(found->second)];
+  if (n_components_of(accessor) != n_components || accessor.count != selection.n_accessor)
+    throw IoError(asset.path,
+                  fmt::format("{}.{}: expected {} elements of {} components, found {} of {}", where, semantic,
+                              selection.n_accessor, n_components, accessor.count, n_components_of(accessor)));
+  const std::size_t index = index_of(found->second);
+  return selection.selected.empty() ? decode_floats(asset.model, index)
+                                    : decode_floats(asset.model, index, selection.selected);
 }
 
 /// World matrix of each vertex of a skinned primitive: Σ w · joint · inverse bind matrix.
@@ -38,7 +56,7 @@ class Skinning {
       const tinygltf::Accessor& accessor =
           asset.model.accessors[index_of(primitive.attributes.at(fmt::format("JOINTS_{}", set)))];
       const int type = accessor.componentType;
-      if (type != TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE && type != TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT)
+      if (type != gltf::unsigned_byte && type != gltf::unsigned_short)
         throw IoError(asset.path,
                       fmt::format("{}.JOINTS_{}: expected unsigned integers of 8 or 16 bits, found "
                                   "componentType {}",
@@ -105,21 +123,6 @@ bool has_triangles(const tinygltf::Primitive& primitive) {
          primitive.mode == TINYGLTF_MODE_TRIANGLE_FAN;
 }
 
-std::vector<float> read_attribute(const GltfAsset& asset, const std::map<std::string, int>& attributes,
-                                  const std::string& semantic, std::size_t n_components,
-                                  const VertexSelection& selection, const std::string& where) {
-  const auto found = attributes.find(semantic);
-  if (found == attributes.end()) return {};
-  const tinygltf::Accessor& accessor = asset.model.accessors[index_of(found->second)];
-  if (n_components_of(accessor) != n_components || accessor.count != selection.n_accessor)
-    throw IoError(asset.path,
-                  fmt::format("{}.{}: expected {} elements of {} components, found {} of {}", where, semantic,
-                              selection.n_accessor, n_components, accessor.count, n_components_of(accessor)));
-  const std::size_t index = index_of(found->second);
-  return selection.selected.empty() ? decode_floats(asset.model, index)
-                                    : decode_floats(asset.model, index, selection.selected);
-}
-
 std::vector<float> read_morphed(const GltfAsset& asset, const tinygltf::Node& node,
                                 const tinygltf::Primitive& primitive, const std::string& semantic,
                                 std::size_t n_components, const VertexSelection& selection,
@@ -152,9 +155,7 @@ std::vector<glm::uvec3> read_triangles(const GltfAsset& asset, const tinygltf::P
   if (primitive.indices >= 0) {
     const tinygltf::Accessor& accessor = asset.model.accessors[index_of(primitive.indices)];
     const int type = accessor.componentType;
-    if (n_components_of(accessor) != 1 ||
-        (type != TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE && type != TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT &&
-         type != TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT))
+    if (n_components_of(accessor) != 1 || !gltf::is_unsigned(type))
       throw IoError(asset.path,
                     fmt::format("{}.indices: expected unsigned integers, found componentType {} of {} "
                                 "components",

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <glm/glm.hpp>
-#include <map>
 #include <string>
 #include <vector>
 
@@ -43,14 +42,10 @@ WorldVertices read_vertices(const GltfAsset& asset, std::size_t node, const tiny
                             const VertexSelection& selection, const std::vector<glm::dmat4>& world,
                             const std::string& where);
 
-/// Values of an attribute with `n_components` for each of the vertices wanted; empty where there is none.
+/// Values of a primitive's attribute with `n_components` for each of the vertices wanted, the displacements
+/// of morph targets added by the weights of the node or else of its mesh; not clamped. Empty where there is
+/// none.
 /// @throws IoError if the accessor has another type or count.
-std::vector<float> read_attribute(const GltfAsset& asset, const std::map<std::string, int>& attributes,
-                                  const std::string& semantic, std::size_t n_components,
-                                  const VertexSelection& selection, const std::string& where);
-
-/// The same of a primitive, with the morph targets' displacements added, by the weights of the node or else
-/// of its mesh. Not clamped.
 std::vector<float> read_morphed(const GltfAsset& asset, const tinygltf::Node& node,
                                 const tinygltf::Primitive& primitive, const std::string& semantic,
                                 std::size_t n_components, const VertexSelection& selection,

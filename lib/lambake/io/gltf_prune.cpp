@@ -2,21 +2,18 @@
 
 #include <algorithm>
 #include <functional>
-#include <limits>
 #include <string_view>
 
 namespace lambake {
 namespace {
 
-constexpr const char* draco = "KHR_draco_mesh_compression";
 constexpr const char* instancing = "EXT_mesh_gpu_instancing";
-constexpr const char* meshopt = "EXT_meshopt_compression";
 
 /// Whether all that an extension refers to is visited below.
 bool is_known(std::string_view name) {
-  constexpr std::string_view known[] = {draco,
+  constexpr std::string_view known[] = {gltf::draco,
                                         instancing,
-                                        meshopt,
+                                        gltf::meshopt,
                                         "KHR_animation_pointer",
                                         "KHR_lights_punctual",
                                         "KHR_mesh_quantization",
@@ -73,7 +70,7 @@ void visit_views(GltfJson& json, const Visit& body) {
   visit(json, {"accessors", "*", "sparse", "indices", "bufferView"}, body);
   visit(json, {"accessors", "*", "sparse", "values", "bufferView"}, body);
   visit(json, {"images", "*", "bufferView"}, body);
-  visit(json, {"meshes", "*", "primitives", "*", "extensions", draco, "bufferView"}, body);
+  visit(json, {"meshes", "*", "primitives", "*", "extensions", gltf::draco, "bufferView"}, body);
 }
 
 using VisitAll = void (*)(GltfJson&, const Visit&);
@@ -114,8 +111,8 @@ struct Range {
 void visit_ranges(GltfJson& views, const std::function<void(GltfJson& holder, const Range& range)>& body) {
   for (GltfJson& view : views) {
     std::vector<GltfJson*> holders{&view};
-    if (view.contains("extensions") && view["extensions"].contains(meshopt))
-      holders.push_back(&view["extensions"][meshopt]);
+    if (view.contains("extensions") && view["extensions"].contains(gltf::meshopt))
+      holders.push_back(&view["extensions"][gltf::meshopt]);
     for (GltfJson* holder : holders) {
       if (holder->value("buffer", std::size_t{0}) != 0) continue;
       const std::size_t begin = holder->value("byteOffset", std::size_t{0});

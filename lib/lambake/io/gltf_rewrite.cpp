@@ -5,19 +5,17 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <limits>
+#include <span>
 #include <string_view>
+#include <utility>
 
 #include "lambake/io/gltf_accessor.h"
 #include "lambake/io/gltf_skin.h"
-#include "lambake/io/gltf_source.h"
 
 namespace lambake {
 namespace {
-
-std::span<const unsigned char> bytes_of(const std::vector<float>& values) {
-  return {reinterpret_cast<const unsigned char*>(values.data()), values.size() * sizeof(float)};
-}
 
 /// Final triangles of each placed primitive, in order.
 std::vector<std::vector<std::uint32_t>> triangles_by_primitive(const GltfAsset& asset, const Mesh& mesh,
@@ -202,35 +200,16 @@ const char* type_name(int type) {
   }
 }
 
-double component_at(const unsigned char* bytes, int component_type) {
-  const auto load = [bytes](auto value) {
-    std::memcpy(&value, bytes, sizeof value);
-    return static_cast<double>(value);
-  };
-  switch (component_type) {
-    case gltf::byte:
-      return load(std::int8_t{});
-    case gltf::unsigned_byte:
-      return load(std::uint8_t{});
-    case gltf::short_:
-      return load(std::int16_t{});
-    case gltf::unsigned_short:
-      return load(std::uint16_t{});
-    default:
-      return load(float{});
-  }
-}
-
 /// min and max of an accessor's elements, as positions must have them: of what is finite, as JSON has no
 /// other numbers, and 0 where nothing is.
-void set_extremes(GltfJson& accessor, const GltfElements& elements, std::size_t n_components,
-                  std::size_t component_bytes) {
-  const std::size_t stride = elements.bytes.size() / elements.count;
-  for (std::size_t k = 0; k < n_components; ++k) {
+void set_extremes(GltfJson& accessor, const GltfElements& elements) {
+  const std::size_t stride = elements.bytes.size() / elements.count,
+                    size = component_bytes(elements.component_type);
+  for (std::size_t k = 0; k < 3; ++k) {
     double low = std::numeric_limits<double>::infinity(), high = -low;
     for (std::size_t i = 0; i < elements.count; ++i) {
       const double value =
-          component_at(elements.bytes.data() + i * stride + k * component_bytes, elements.component_type);
+          load_float(elements.bytes.data() + i * stride + k * size, elements.component_type, false);
       if (std::isfinite(value)) low = std::min(low, value), high = std::max(high, value);
     }
     if (low > high) low = high = 0;
@@ -268,7 +247,7 @@ void PrimitiveRewriter::rewrite(GltfJson& primitive, const BakedPrimitive& baked
   primitive["indices"] = append_once(indices.elements(), "");
   primitive.erase("mode");
   if (primitive.contains("extensions")) {
-    primitive["extensions"].erase("KHR_draco_mesh_compression");
+    primitive["extensions"].erase(gltf::draco);
     if (primitive["extensions"].empty()) primitive.erase("extensions");
   }
 }
@@ -299,8 +278,8 @@ std::size_t PrimitiveRewriter::rewrite_accessor(std::size_t index, const std::st
                                                 const BakedPrimitive& baked, bool is_target) {
   const tinygltf::Accessor& accessor = asset_.model.accessors[index];
   const std::size_t n_components = n_components_of(accessor);
-  const bool is_whole = accessor.componentType != TINYGLTF_COMPONENT_TYPE_FLOAT && !accessor.normalized &&
-                        semantic.starts_with("_");
+  const bool is_whole =
+      accessor.componentType != gltf::float_ && !accessor.normalized && semantic.starts_with("_");
   const bool can_mix = !semantic.starts_with("JOINTS_") && !semantic.starts_with("WEIGHTS_") && !is_whole;
   GltfElements elements{.count = baked.vertices.size(), .type = type_name(accessor.type)};
   const std::vector<std::uint32_t> nearest = nearest_accessor_vertices(baked.origins);
@@ -312,7 +291,7 @@ std::size_t PrimitiveRewriter::rewrite_accessor(std::size_t index, const std::st
     values.reserve(elements.count * n_components);
     for (const std::uint32_t origin : baked.vertices)
       for (std::size_t k = 0; k < n_components; ++k) values.push_back(mixed[origin * n_components + k]);
-    elements.bytes = bytes_of(values);
+    elements.bytes = bytes_of(std::span<const float>(values));
     return append_once(elements, semantic);
   }
   std::vector<std::uint32_t> from;
@@ -342,13 +321,7 @@ std::size_t PrimitiveRewriter::append_once(const GltfElements& elements, const s
       return it->second;
   }
   const std::size_t index = append_accessor(document_, elements);
-  if (semantic == "POSITION") {
-    const std::size_t component_bytes =
-        elements.component_type == gltf::float_                                                   ? 4
-        : elements.component_type == gltf::byte || elements.component_type == gltf::unsigned_byte ? 1
-                                                                                                  : 2;
-    set_extremes(document_.json["accessors"][index], elements, 3, component_bytes);
-  }
+  if (semantic == "POSITION") set_extremes(document_.json["accessors"][index], elements);
   accessor_of_hash_.emplace(hash, index);
   return index;
 }

@@ -1,8 +1,10 @@
 #include <fmt/format.h>
 
-#include <cmath>
 #include <filesystem>
+#include <limits>
+#include <map>
 #include <set>
+#include <utility>
 
 #include "lambake/core/error.h"
 #include "lambake/io/file_extension.h"
@@ -169,9 +171,8 @@ class AssetWriter {
 
   /// Viewers take what a Draco stream has before what the attributes name.
   void drop_packed_light(GltfJson& primitive) const {
-    constexpr const char* draco = "KHR_draco_mesh_compression";
-    if (member(member(member(primitive, "extensions"), draco), "attributes").is_object())
-      primitive["extensions"][draco]["attributes"].erase(options_.attribute);
+    if (member(member(member(primitive, "extensions"), gltf::draco), "attributes").is_object())
+      primitive["extensions"][gltf::draco]["attributes"].erase(options_.attribute);
   }
 
   /// The colours of a primitive's vertices: light, times the vertex colour that was there where it is
@@ -218,7 +219,7 @@ class AssetWriter {
         (*holder)["material"] = place->second;
       }
     }
-    use_extension(json, "KHR_materials_unlit");
+    use_extension(json, gltf::unlit);
   }
 
   static constexpr std::size_t no_material = std::numeric_limits<std::size_t>::max();
@@ -246,21 +247,20 @@ class AssetWriter {
       index = append_to(json, "materials", GltfJson(json["materials"][index]));
     GltfJson& extensions = json["materials"][index]["extensions"];
     if (!extensions.empty()) ++n_with_other_extensions_;
-    extensions["KHR_materials_unlit"] = GltfJson::object();
+    extensions[gltf::unlit] = GltfJson::object();
     return index;
   }
 
   /// Rewritten primitives are not compressed: where no other is, nothing needs a Draco decoder any more.
   static void drop_unused_draco(GltfJson& json) {
-    constexpr const char* draco = "KHR_draco_mesh_compression";
     for (const GltfJson& mesh : member(json, "meshes"))
       for (const GltfJson& primitive : member(mesh, "primitives"))
-        if (!member(member(primitive, "extensions"), draco).is_null()) return;
+        if (!member(member(primitive, "extensions"), gltf::draco).is_null()) return;
     for (const char* list : {"extensionsUsed", "extensionsRequired"}) {
       if (!member(json, list).is_array()) continue;
       GltfJson left = GltfJson::array();
       for (const GltfJson& name : json[list])
-        if (name != draco) left.push_back(name);
+        if (name != gltf::draco) left.push_back(name);
       if (left.empty())
         json.erase(list);
       else

@@ -1,10 +1,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
+#include <utility>
 
 #include "lambake/core/bounds.h"
 #include "lambake/core/error.h"
@@ -36,11 +36,6 @@ struct Part {
   std::vector<std::uint32_t> vertices;
   std::vector<glm::uvec3> triangles;  ///< Of `vertices`.
 };
-
-template <typename T>
-std::span<const unsigned char> bytes_of(std::span<const T> values) {
-  return {reinterpret_cast<const unsigned char*>(values.data()), values.size() * sizeof(T)};
-}
 
 /// Arrays that the document borrows until it is written.
 class KeptArrays {
@@ -252,8 +247,8 @@ class NewAsset {
       json["alphaMode"] = "MASK", json["alphaCutoff"] = material.alpha_cutoff;
     if (material.alpha_mode == AlphaMode::blend || is_blended) json["alphaMode"] = "BLEND";
     if (options_.mark_unlit) {
-      json["extensions"]["KHR_materials_unlit"] = GltfJson::object();
-      use_extension(document.json, "KHR_materials_unlit");
+      json["extensions"][gltf::unlit] = GltfJson::object();
+      use_extension(document.json, gltf::unlit);
     }
     return append_to(document.json, "materials", std::move(json));
   }
@@ -266,8 +261,7 @@ class NewAsset {
     if (!image_of_[texture.image]) {
       const Image& image = scene_.images[texture.image];
       const std::string& bytes = image.file.empty() ? kept_.keep(encode_png(picture_of(image))) : image.file;
-      const std::size_t view = append_view(
-          document, {reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size()}, 0, 0, true);
+      const std::size_t view = append_view(document, bytes_of(std::span(bytes)), 0, 0, true);
       image_of_[texture.image] =
           append_to(document.json, "images", {{"bufferView", view}, {"mimeType", mime_type_of(bytes)}});
     }

@@ -6,12 +6,12 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <limits>
 #include <memory>
 #include <string_view>
 #include <vector>
 
 #include "lambake/core/error.h"
+#include "lambake/io/image_bytes.h"
 
 namespace lambake {
 namespace {
@@ -101,8 +101,8 @@ void take_pixels(const std::vector<float>& values, int n_channels, Image& image)
 /// The name by which OpenImageIO finds the reader for these bytes: what they are, not what they are called.
 std::string name_by_content(std::span<const std::byte> bytes, const std::string& name) {
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  if (text.starts_with("\x89PNG\r\n\x1a\n")) return "image.png";
-  if (text.starts_with("\xff\xd8\xff")) return "image.jpg";
+  if (text.starts_with(png_signature)) return "image.png";
+  if (text.starts_with(jpeg_signature)) return "image.jpg";
   if (text.starts_with("\x76\x2f\x31\x01")) return "image.exr";
   return name;
 }
