@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <limits>
 #include <optional>
 #include <span>
@@ -35,28 +36,23 @@ struct ByRole {
 };
 
 Role role_in_vertex(const PlyProperty& p) {
-  constexpr std::pair<std::string_view, Role> names[] = {{"x", Role::x},
-                                                         {"y", Role::y},
-                                                         {"z", Role::z},
-                                                         {"nx", Role::nx},
-                                                         {"ny", Role::ny},
-                                                         {"nz", Role::nz},
-                                                         {"u", Role::u},
-                                                         {"s", Role::u},
-                                                         {"texture_u", Role::u},
-                                                         {"v", Role::v},
-                                                         {"t", Role::v},
-                                                         {"texture_v", Role::v},
-                                                         {"red", Role::red},
-                                                         {"green", Role::green},
-                                                         {"blue", Role::blue},
-                                                         {"alpha", Role::alpha},
-                                                         {"diffuse_red", Role::red},
-                                                         {"diffuse_green", Role::green},
-                                                         {"diffuse_blue", Role::blue}};
+  // By role, from x on.
+  constexpr std::string_view names[][3] = {{"x"},
+                                           {"y"},
+                                           {"z"},
+                                           {"nx"},
+                                           {"ny"},
+                                           {"nz"},
+                                           {"u", "s", "texture_u"},
+                                           {"v", "t", "texture_v"},
+                                           {"red", "diffuse_red"},
+                                           {"green", "diffuse_green"},
+                                           {"blue", "diffuse_blue"},
+                                           {"alpha"}};
   if (!p.is_list)
-    for (const auto& [name, role] : names)
-      if (name == p.name) return role;
+    for (std::size_t i = 0; i < std::size(names); ++i)
+      if (std::find(std::begin(names[i]), std::end(names[i]), p.name) != std::end(names[i]))
+        return static_cast<Role>(static_cast<std::size_t>(Role::x) + i);
   return Role::none;
 }
 
