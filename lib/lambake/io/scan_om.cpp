@@ -54,29 +54,17 @@ class ByteCursor {
   }
   /// A signed whole number of 2^bits bytes.
   std::int64_t integer(int bits, const char* what) {
-    switch (bits) {
-      case 0:
-        return value<std::int8_t>(what);
-      case 1:
-        return value<std::int16_t>(what);
-      case 2:
-        return value<std::int32_t>(what);
-      default:
-        return value<std::int64_t>(what);
-    }
+    return bits == 0   ? value<std::int8_t>(what)
+           : bits == 1 ? value<std::int16_t>(what)
+           : bits == 2 ? value<std::int32_t>(what)
+                       : value<std::int64_t>(what);
   }
   /// The same, unsigned.
   std::uint64_t count(int bits, const char* what) {
-    switch (bits) {
-      case 0:
-        return value<std::uint8_t>(what);
-      case 1:
-        return value<std::uint16_t>(what);
-      case 2:
-        return value<std::uint32_t>(what);
-      default:
-        return value<std::uint64_t>(what);
-    }
+    return bits == 0   ? value<std::uint8_t>(what)
+           : bits == 1 ? value<std::uint16_t>(what)
+           : bits == 2 ? value<std::uint32_t>(what)
+                       : value<std::uint64_t>(what);
   }
   bool is_at_end() const { return at_ == bytes_.size(); }
   [[noreturn]] void fail(const std::string& expected, const std::string& found) const {
