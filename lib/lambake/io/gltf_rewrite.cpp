@@ -181,25 +181,6 @@ std::vector<unsigned char> padded(std::vector<unsigned char> bytes, std::size_t 
   return wide;
 }
 
-const char* type_name(int type) {
-  switch (type) {
-    case TINYGLTF_TYPE_VEC2:
-      return "VEC2";
-    case TINYGLTF_TYPE_VEC3:
-      return "VEC3";
-    case TINYGLTF_TYPE_VEC4:
-      return "VEC4";
-    case TINYGLTF_TYPE_MAT2:
-      return "MAT2";
-    case TINYGLTF_TYPE_MAT3:
-      return "MAT3";
-    case TINYGLTF_TYPE_MAT4:
-      return "MAT4";
-    default:
-      return "SCALAR";
-  }
-}
-
 /// min and max of an accessor's elements, as positions must have them: of what is finite, as JSON has no
 /// other numbers, and 0 where nothing is.
 void set_extremes(GltfJson& accessor, const GltfElements& elements) {
@@ -281,7 +262,8 @@ std::size_t PrimitiveRewriter::rewrite_accessor(std::size_t index, const std::st
   const bool is_whole =
       accessor.componentType != gltf::float_ && !accessor.normalized && semantic.starts_with("_");
   const bool can_mix = !semantic.starts_with("JOINTS_") && !semantic.starts_with("WEIGHTS_") && !is_whole;
-  GltfElements elements{.count = baked.vertices.size(), .type = type_name(accessor.type)};
+  const GltfJson& type = asset_.json["accessors"][index]["type"];
+  GltfElements elements{.count = baked.vertices.size(), .type = type.get_ref<const std::string&>().c_str()};
   const std::vector<std::uint32_t> nearest = nearest_accessor_vertices(baked.origins);
   if (has_cuts(baked) && can_mix) {
     const bool is_direction = !is_target && (semantic == "NORMAL" || semantic == "TANGENT");
