@@ -13,6 +13,7 @@
 #include "lambake/core/error.h"
 #include "lambake/geometry/normals.h"
 #include "lambake/io/gltf.h"
+#include "lambake/io/image_file.h"
 
 namespace lambake {
 namespace {
@@ -299,6 +300,55 @@ TEST(GltfScene, ImageNames_AreUrisWhosePlusIsAPlus) {
   } catch (const IoError& error) {
     EXPECT_NE(std::string(error.what()).find("\"no+where.png\""), std::string::npos) << error.what();
   }
+}
+
+/// A square with a material of the given picture, as `name` in the material or in its base colour.
+void add_textured_square(GltfBuilder& builder, const char* name, const LinearRgb& color, bool has_texcoords) {
+  const std::string png = encode_png({1, 1, {color}});
+  ordered_json square = builder.square();
+  if (has_texcoords)
+    square["attributes"]["TEXCOORD_0"] = builder.add_floats("VEC2", 4, {0, 0, 1, 0, 0, 1, 1, 1});
+  const std::size_t bytes =
+      builder.add(5121, "SCALAR", png.size(), std::vector<unsigned char>(png.begin(), png.end()));
+  builder.json["images"] = {
+      {{"bufferView", builder.json["accessors"][bytes]["bufferView"]}, {"mimeType", "image/png"}}};
+  builder.json["textures"] = {{{"source", 0}}};
+  builder.json["materials"] = {
+      {{"pbrMetallicRoughness", ordered_json::object()}, {"emissiveFactor", {1, 0.5, 1}}}};
+  ordered_json& material = builder.json["materials"][0];
+  const bool is_emission = std::string(name) == "emissiveTexture";
+  (is_emission ? material : material["pbrMetallicRoughness"])[name] = {{"index", 0}};
+  square["material"] = 0;
+  builder.add_primitive(square);
+}
+
+// Viewers differ in what they show there.
+TEST(GltfScene, TexturesWithoutTexcoords_AreTold_AndNotCertified) {
+  GltfBuilder builder;
+  add_textured_square(builder, "baseColorTexture", {0.5f, 0, 0}, false);
+  builder.json["materials"][0].erase("emissiveFactor");
+  const SceneFile none = read_lit(builder.write());
+  EXPECT_EQ(count_of(none.findings, "textures_without_texcoords"), 1U);
+  EXPECT_EQ(none.scene.materials[0].base_color_texture, no_texture);
+  EXPECT_EQ(gltf_output(none, {}).gaps.size(), 1U);
+  // The material comes back as it was.
+  write_gltf_file(temporary_file("out.glb"), none, bake(none.scene, {}), {});
+  EXPECT_EQ(read_glb(temporary_file("out.glb")).json["materials"][0]["pbrMetallicRoughness"],
+            builder.json["materials"][0]["pbrMetallicRoughness"]);
+  // Another primitive of the material has some.
+  ordered_json square = builder.square();
+  square["attributes"]["TEXCOORD_0"] = builder.add_floats("VEC2", 4, {0, 0, 1, 0, 0, 1, 1, 1});
+  square["material"] = 0;
+  builder.add_primitive(square);
+  const SceneFile mixed = read_lit(builder.write());
+  EXPECT_EQ(count_of(mixed.findings, "textures_without_texcoords"), 1U);
+  EXPECT_EQ(mixed.scene.materials[0].base_color_texture, 0U);
+  EXPECT_EQ(gltf_output(mixed, {}).gaps.size(), 1U);
+  // All have.
+  builder.json["meshes"][0]["primitives"].erase(0);
+  const SceneFile all = read_lit(builder.write());
+  EXPECT_EQ(count_of(all.findings, "textures_without_texcoords"), 0U);
+  EXPECT_TRUE(gltf_output(all, {}).gaps.empty());
 }
 
 TEST(GltfScene, SkinnedMesh_InItsBindPose_StandsWhereTheFileSays) {

@@ -175,4 +175,15 @@ bool has_unread_texture(const GltfAsset& asset, const Scene& scene, std::size_t 
          (from.emissiveTexture.index >= 0 && read.emission_texture == no_texture && has_emission(read));
 }
 
+bool has_texcoords(const tinygltf::Primitive& primitive, const Texture& texture) {
+  return primitive.attributes.contains(fmt::format("TEXCOORD_{}", texture.texcoord_set));
+}
+
+bool lacks_texcoords(const tinygltf::Primitive& primitive, const Scene& scene, const Material& material) {
+  const auto lacks = [&](std::uint32_t texture) {
+    return texture != no_texture && !has_texcoords(primitive, scene.textures[texture]);
+  };
+  return lacks(material.base_color_texture) || (has_emission(material) && lacks(material.emission_texture));
+}
+
 }  // namespace lambake

@@ -20,4 +20,11 @@ LinearRgb emission_in_file(const GltfAsset& asset, std::size_t material);
 /// emits, that the scene has not: it was left out.
 bool has_unread_texture(const GltfAsset& asset, const Scene& scene, std::size_t material);
 
+/// Whether a primitive has not the texture coordinates that a texture needs, of the base colour or of the
+/// emission of its material.
+bool lacks_texcoords(const tinygltf::Primitive& primitive, const Scene& scene, const Material& material);
+
+/// Whether it has those of this texture.
+bool has_texcoords(const tinygltf::Primitive& primitive, const Texture& texture);
+
 }  // namespace lambake
