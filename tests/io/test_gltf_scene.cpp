@@ -302,6 +302,27 @@ TEST(GltfScene, ImageNames_AreUrisWhosePlusIsAPlus) {
   }
 }
 
+TEST(GltfScene, InstancesOfGpuInstancing_AreRefused_RequiredOrNot) {
+  for (const bool is_required : {false, true}) {
+    GltfBuilder builder;
+    builder.add_primitive(builder.square());
+    const std::size_t places = builder.add_floats("VEC3", 2, {0, 0, 0, 2, 0, 0});
+    builder.json["extensionsUsed"] = {"EXT_mesh_gpu_instancing"};
+    if (is_required) builder.json["extensionsRequired"] = builder.json["extensionsUsed"];
+    builder.json["nodes"][0]["extensions"] = {
+        {"EXT_mesh_gpu_instancing", {{"attributes", {{"TRANSLATION", places}}}}}};
+    try {
+      read_gltf_file(builder.write(), {});
+      ADD_FAILURE() << is_required;
+    } catch (const IoError& error) {
+      const std::string line = error.what();
+      EXPECT_EQ(error.exit_code(), 3);
+      EXPECT_NE(line.find("nodes[0]: expected a mesh placed once"), std::string::npos) << line;
+      EXPECT_NE(line.find("EXT_mesh_gpu_instancing"), std::string::npos) << line;
+    }
+  }
+}
+
 /// A square with a material of the given picture, as `name` in the material or in its base colour.
 void add_textured_square(GltfBuilder& builder, const char* name, const LinearRgb& color, bool has_texcoords) {
   const std::string png = encode_png({1, 1, {color}});

@@ -91,6 +91,16 @@ GlbChunks split_glb(const std::vector<unsigned char>& bytes, const std::string& 
   return chunks;
 }
 
+/// Each of the instances would take light of its own.
+void check_instances(const GltfSource& source) {
+  const GltfJson& nodes = member(source.json, "nodes");
+  for (std::size_t n = 0; n < nodes.size(); ++n)
+    if (!member(member(nodes[n], "extensions"), gltf::instancing).is_null())
+      throw IoError(source.path, fmt::format("nodes[{}]: expected a mesh placed once, found instances by {}: "
+                                             "write them out as nodes first",
+                                             n, gltf::instancing));
+}
+
 void check_asset(const GltfSource& source) {
   const GltfJson& version = member(member(source.json, "asset"), "version");
   if (!version.is_string())
@@ -101,6 +111,7 @@ void check_asset(const GltfSource& source) {
   const GltfJson& least = member(member(source.json, "asset"), "minVersion");
   if (least.is_string() && least != "2.0")
     throw IoError(source.path, "asset.minVersion: expected \"2.0\", found " + shown(least));
+  check_instances(source);
   for (const GltfJson& name : member(source.json, "extensionsRequired"))
     if (!is_known_extension(name.get<std::string>()))
       throw IoError(source.path,
