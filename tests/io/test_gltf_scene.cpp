@@ -323,6 +323,58 @@ TEST(GltfScene, InstancesOfGpuInstancing_AreRefused_RequiredOrNot) {
   }
 }
 
+TEST(GltfScene, SparseAccessorsWithoutAView_AreZerosButForTheirValues) {
+  GltfBuilder builder;
+  ordered_json square = builder.square();
+  square["attributes"]["TEXCOORD_0"] = builder.add_floats("VEC2", 4, {0, 0, 1, 0, 0, 1, 1, 1});
+  square["attributes"]["COLOR_0"] = builder.add_floats("VEC3", 4, {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1});
+  builder.add_primitive(square);
+  const SceneFile dense = read_lit(builder.write("dense"));
+  // The same with all but the first element as sparse values: 0 where there is no other.
+  const std::size_t n_accessors = builder.json["accessors"].size();
+  for (std::size_t a = 0; a < n_accessors; ++a) {
+    ordered_json& accessor = builder.json["accessors"][a];
+    const bool is_normal = a == square["attributes"]["NORMAL"];
+    const std::size_t n = accessor["count"].get<std::size_t>(), first = is_normal ? 0 : 1;
+    const std::size_t view = accessor["bufferView"];
+    std::vector<std::uint16_t> elements;
+    for (std::size_t i = first; i < n; ++i) elements.push_back(static_cast<std::uint16_t>(i));
+    const std::size_t bytes = builder.json["bufferViews"][view]["byteLength"].get<std::size_t>() / n;
+    const std::size_t numbers = builder.add(5123, "SCALAR", elements.size(), elements);
+    const ordered_json numbers_view = builder.json["accessors"][numbers]["bufferView"];
+    ordered_json& sparse = builder.json["accessors"][a];
+    sparse.erase("bufferView");
+    sparse["sparse"] = {{"count", n - first},
+                        {"indices", {{"bufferView", numbers_view}, {"componentType", 5123}}},
+                        {"values", {{"bufferView", view}, {"byteOffset", first * bytes}}}};
+  }
+  const SceneFile file = read_lit(builder.write("sparse"));
+  EXPECT_EQ(file.scene.mesh.positions, dense.scene.mesh.positions);
+  EXPECT_EQ(file.scene.mesh.normals, dense.scene.mesh.normals);
+  EXPECT_EQ(file.scene.mesh.texcoords, dense.scene.mesh.texcoords);
+  EXPECT_EQ(file.scene.mesh.colors, dense.scene.mesh.colors);
+  EXPECT_EQ(file.scene.mesh.triangles, dense.scene.mesh.triangles);
+  // As it is, and with its vertices written anew.
+  const std::string path = temporary_file("out.glb");
+  for (const bool is_cut : {false, true}) {
+    const BakedColors baked = is_cut ? cut_first_triangle(file.scene) : bake(file.scene, {});
+    write_gltf_file(path, file, baked, {});
+    const SceneFile again = read_gltf_file(path, {});
+    EXPECT_EQ(again.scene.mesh.triangles.size(), is_cut ? 3U : 2U);
+    if (is_cut) continue;
+    EXPECT_EQ(again.scene.mesh.texcoords, dense.scene.mesh.texcoords);
+    EXPECT_EQ(again.scene.mesh.triangles, dense.scene.mesh.triangles);
+  }
+}
+
+TEST(GltfScene, IndicesThatAreAllZero_NeedNoView) {
+  GltfBuilder builder;
+  builder.add_primitive(builder.square());
+  builder.json["accessors"].back().erase("bufferView");
+  const Mesh mesh = read_gltf_file(builder.write(), {}).scene.mesh;
+  EXPECT_EQ(mesh.triangles, (std::vector<glm::uvec3>(2, {0, 0, 0})));
+}
+
 /// A square with a material of the given picture, as `name` in the material or in its base colour.
 void add_textured_square(GltfBuilder& builder, const char* name, const LinearRgb& color, bool has_texcoords) {
   const std::string png = encode_png({1, 1, {color}});
