@@ -395,6 +395,22 @@ void add_textured_square(GltfBuilder& builder, const char* name, const LinearRgb
   builder.add_primitive(square);
 }
 
+TEST(GltfScene, EmissionBehindABlackTexture_IsNone) {
+  for (const float level : {0.0f, 0.5f}) {
+    GltfBuilder builder;
+    add_textured_square(builder, "emissiveTexture", {level, 0, 0}, true);
+    SceneFile file = read_lit(builder.write());
+    EXPECT_EQ(has_emission(file.scene.materials[0]), level > 0);
+    for (const GltfWriteOptions& options : {GltfWriteOptions{}, GltfWriteOptions{.mark_unlit = false}})
+      EXPECT_EQ(gltf_output(file, options).gaps.size(), level > 0 && options.mark_unlit ? 1U : 0U);
+    const WrittenColors written = write_gltf_file(temporary_file("out.glb"), file, bake(file.scene, {}), {});
+    EXPECT_EQ(count_of(written.findings, "emission_not_written"), level > 0 ? 4U : 0U);
+    // Another emission than that of the file would stay there.
+    file.scene.materials[0].emission = {0.25f, 0, 0};
+    EXPECT_FALSE(gltf_output(file, {.mark_unlit = false}).gaps.empty());
+  }
+}
+
 // Viewers differ in what they show there.
 TEST(GltfScene, TexturesWithoutTexcoords_AreTold_AndNotCertified) {
   GltfBuilder builder;

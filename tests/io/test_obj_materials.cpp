@@ -4,6 +4,7 @@
 
 #include "io/mesh_folder.h"
 #include "lambake/core/color.h"
+#include "lambake/io/image_file.h"
 #include "lambake/io/scene_file.h"
 
 namespace lambake {
@@ -89,6 +90,13 @@ TEST_F(ObjMaterialsTest, EmissionTexture_MultipliesTheEmission) {
   EXPECT_EQ(read_material("Ke 0 0 0\nmap_Ke grey.jpg\n").emission, black);
   EXPECT_EQ(read_material("map_Ke missing.jpg\n").emission, black);
   EXPECT_EQ(n_told("unreadable_textures"), 1u);
+}
+
+TEST_F(ObjMaterialsTest, EmissionBehindABlackTexture_IsNone) {
+  write_picture((folder / "black.png").string(), {2, 1, {{0, 0, 0}, {0, 0, 0}}});
+  write_picture((folder / "spot.png").string(), {2, 1, {{0, 0, 0}, {0, 0, 1}}});
+  EXPECT_EQ(read_material("Ke 1 0 0\nmap_Ke black.png\n").emission, black);
+  EXPECT_EQ(read_material("Ke 1 0 0\nmap_Ke spot.png\n").emission, red);
 }
 
 // As where the texture cannot be read: white, and no emission.

@@ -74,6 +74,11 @@ class MaterialReader {
     material.emission = emission_of_file(from, json);
     if (!(material.emission == LinearRgb{0, 0, 0}))
       material.emission_texture = read_texture(from.emissiveTexture, member(json, "emissiveTexture"));
+    if (material.emission_texture != no_texture &&
+        is_black(scene_.images[scene_.textures[material.emission_texture].image])) {
+      material.emission_texture = no_texture;
+      material.emission = {0, 0, 0};
+    }
     material.alpha_mode = from.alphaMode == "MASK"    ? AlphaMode::mask
                           : from.alphaMode == "BLEND" ? AlphaMode::blend
                                                       : AlphaMode::opaque;
@@ -158,13 +163,14 @@ class MaterialReader {
 
 }  // namespace
 
-void read_gltf_materials(const GltfAsset& asset, Scene& scene, Findings& findings) {
+void read_gltf_materials(GltfAsset& asset, Scene& scene, Findings& findings) {
   MaterialReader(asset, scene, findings).run();
+  for (std::size_t m = 0; m < asset.model.materials.size(); ++m)
+    asset.emissions.push_back(scene.materials[m].emission);
 }
 
 LinearRgb emission_in_file(const GltfAsset& asset, std::size_t material) {
-  if (material >= asset.model.materials.size()) return {0, 0, 0};  // The default one.
-  return emission_of_file(asset.model.materials[material], asset.json["materials"][material]);
+  return material < asset.emissions.size() ? asset.emissions[material] : LinearRgb{0, 0, 0};  // The default.
 }
 
 bool has_unread_texture(const GltfAsset& asset, const Scene& scene, std::size_t material) {

@@ -62,6 +62,12 @@ std::string mime_type_of(std::string_view bytes) {
   return "";
 }
 
+bool is_black(const Image& image) {
+  for (std::size_t i = 0; i < image.n_pixels(); ++i)
+    if (const glm::vec4 pixel = image.pixel(i); glm::vec3(pixel) != glm::vec3(0)) return false;
+  return image.n_pixels() > 0;
+}
+
 Image read_image(const std::string& path) {
   std::string bytes = read_named_bytes(path);
   Image image = decode_image(std::as_bytes(std::span(bytes.data(), bytes.size())), path);

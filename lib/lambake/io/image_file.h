@@ -28,4 +28,7 @@ Image decode_image(std::span<const std::byte> bytes, const std::string& name);
 /// The same from a file, whose bytes are kept if glTF can hold them: PNG and JPEG. @throws IoError.
 Image read_image(const std::string& path);
 
+/// Whether it has pixels and all of them are black.
+bool is_black(const Image& image);
+
 }  // namespace lambake
