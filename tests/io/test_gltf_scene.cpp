@@ -440,6 +440,52 @@ TEST(GltfScene, TexturesWithoutTexcoords_AreTold_AndNotCertified) {
   EXPECT_TRUE(gltf_output(all, {}).gaps.empty());
 }
 
+/// A WebP of one pixel, without loss: 255, 0, 0.
+const std::string red_webp = [] {
+  constexpr unsigned char bytes[] = {'R',  'I',  'F',  'F',  22,   0,    0,    0,    'W',  'E',
+                                     'B',  'P',  'V',  'P',  '8',  'L',  10,   0,    0,    0,
+                                     0x2f, 0x00, 0x00, 0x00, 0x00, 0x88, 0xfe, 0x47, 0xff, 0x03};
+  return std::string(std::begin(bytes), std::end(bytes));
+}();
+
+TEST(GltfScene, SourceOfTheWebpExtension_IsReadAndKept) {
+  for (const bool is_beside : {false, true}) {
+    GltfBuilder builder;
+    add_textured_square(builder, "baseColorTexture", {0, 0, 1}, true);
+    builder.json["materials"][0].erase("emissiveFactor");
+    builder.json["extensionsUsed"] = builder.json["extensionsRequired"] = {"EXT_texture_webp"};
+    builder.json["textures"] = {{{"extensions", {{"EXT_texture_webp", {{"source", 1}}}}}}};
+    if (is_beside) {
+      write_bytes(temporary_file("red.webp"), red_webp);
+      const std::string name = std::filesystem::path(temporary_file("red.webp")).filename().string();
+      builder.json["images"].push_back({{"uri", name}});
+    } else {
+      const std::size_t bytes = builder.add(5121, "SCALAR", red_webp.size(),
+                                            std::vector<unsigned char>(red_webp.begin(), red_webp.end()));
+      builder.json["images"].push_back(
+          {{"bufferView", builder.json["accessors"][bytes]["bufferView"]}, {"mimeType", "image/webp"}});
+    }
+    const SceneFile file = read_lit(builder.write());
+    EXPECT_EQ(file.findings.size(), 0U);
+    ASSERT_EQ(file.scene.images.size(), 1U);
+    EXPECT_EQ(file.scene.images[0].pixel(0), glm::vec4(1, 0, 0, 1));
+    const WrittenColors written = write_gltf_file(temporary_file("out.glb"), file, bake(file.scene, {}), {});
+    EXPECT_EQ(count_of(written.findings, "images_not_embedded"), 0U);
+    const Glb glb = read_glb(temporary_file("out.glb"));
+    EXPECT_EQ(glb.json["textures"], builder.json["textures"]);
+    EXPECT_EQ(glb.json["extensionsRequired"], builder.json["extensionsRequired"]);
+    EXPECT_EQ(glb.json["images"][1]["mimeType"], "image/webp");
+    EXPECT_EQ(read_gltf_file(temporary_file("out.glb"), {}).scene.images[0].pixel(0), glm::vec4(1, 0, 0, 1));
+    // Where it does not decode there may be another.
+    builder.json.erase("extensionsRequired");
+    write_bytes(temporary_file("red.webp"), "RIFF");
+    builder.json["images"][1] = {{"uri", "data:image/webp;base64,UklGRg=="}};
+    EXPECT_THROW(read_gltf_file(builder.write(), {}), IoError);
+    builder.json["textures"][0]["source"] = 0;
+    EXPECT_EQ(read_gltf_file(builder.write(), {}).scene.images[0].pixel(0), glm::vec4(0, 0, 1, 1));
+  }
+}
+
 TEST(GltfScene, SkinnedMesh_InItsBindPose_StandsWhereTheFileSays) {
   // RiggedSimple's cylinder reaches from -5.. along its bones; its pose in the file is the bind pose.
   const Bounds box = bounds_of(read_scene("RiggedSimple.glb").mesh.positions);

@@ -25,7 +25,8 @@ constexpr bool is_unsigned(int component_type) {
          component_type == unsigned_int;
 }
 inline constexpr const char *draco = "KHR_draco_mesh_compression", *meshopt = "EXT_meshopt_compression",
-                            *instancing = "EXT_mesh_gpu_instancing", *unlit = "KHR_materials_unlit";
+                            *instancing = "EXT_mesh_gpu_instancing", *texture_webp = "EXT_texture_webp",
+                            *unlit = "KHR_materials_unlit";
 }  // namespace gltf
 
 /// A number of tinygltf's that has been checked.

@@ -13,7 +13,7 @@ bool is_known(std::string_view name) {
       gltf::draco,           gltf::meshopt,           "KHR_animation_pointer",
       "KHR_lights_punctual", "KHR_mesh_quantization", "KHR_node_visibility",
       "KHR_texture_basisu",  "KHR_texture_transform", "KHR_xmp_json_ld",
-      "EXT_texture_avif",    "EXT_texture_webp"};
+      "EXT_texture_avif",    gltf::texture_webp};
   return name.starts_with("KHR_materials_") ||
          std::find(std::begin(known), std::end(known), name) != std::end(known);
 }

@@ -18,8 +18,9 @@
 namespace lambake {
 namespace {
 
-constexpr std::array<std::string_view, 19> known_extensions{
+constexpr std::array<std::string_view, 20> known_extensions{
     "EXT_meshopt_compression",
+    "EXT_texture_webp",
     "KHR_draco_mesh_compression",
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
