@@ -375,6 +375,18 @@ TEST(GltfScene, IndicesThatAreAllZero_NeedNoView) {
   EXPECT_EQ(mesh.triangles, (std::vector<glm::uvec3>(2, {0, 0, 0})));
 }
 
+TEST(GltfScene, ColoursOutOfRange_AreClampedAndCounted) {
+  GltfBuilder builder;
+  ordered_json square = builder.square();
+  square["attributes"]["COLOR_0"] =
+      builder.add_floats("VEC4", 4, {0, 0, 0, 1, 2, 0, 0, 1, 0, -1, 0, 1, 0, 0, 1, 1.5f});
+  builder.add_primitive(square);
+  const SceneFile file = read_lit(builder.write());
+  EXPECT_EQ(count_of(file.findings, "colors_out_of_range"), 3U);
+  EXPECT_EQ(file.scene.mesh.colors, (std::vector<LinearRgb>{{0, 0, 0}, {1, 0, 0}, {0, 0, 0}, {0, 0, 1}}));
+  EXPECT_EQ(file.scene.mesh.opacities, (std::vector<float>(4, 1.0f)));
+}
+
 /// A square with a material of the given picture, as `name` in the material or in its base colour.
 void add_textured_square(GltfBuilder& builder, const char* name, const LinearRgb& color, bool has_texcoords) {
   const std::string png = encode_png({1, 1, {color}});

@@ -212,9 +212,14 @@ class SceneReader {
     const std::vector<float> values =
         read_morphed(asset_, model().nodes[node], primitive, "COLOR_0", n_components, selection, where);
     const auto unit = [](float x) { return x >= 0 ? std::min(x, 1.0f) : 0.0f; };
+    // Sums of morph targets are clamped by the specification: nothing to tell.
+    const bool is_morphed = std::any_of(primitive.targets.begin(), primitive.targets.end(),
+                                        [](const auto& target) { return target.contains("COLOR_0"); });
+    const auto is_outside = [](float x) { return !(x >= 0 && x <= 1); };
     if (mesh.colors.empty()) mesh.colors.reserve(selection.size());
     for (std::size_t i = 0; i < selection.size(); ++i) {
       const float* c = values.data() + i * n_components;
+      n_colors_outside_ += !is_morphed && std::any_of(c, c + n_components, is_outside);
       mesh.colors.push_back({unit(c[0]), unit(c[1]), unit(c[2])});
       if (has_opacities_) mesh.opacities.push_back(n_components == 4 ? unit(c[3]) : 1.0f);
     }
@@ -293,6 +298,8 @@ class SceneReader {
                 "lit nor seen");
     add_finding(findings_, "normals_without_direction", n_undirected_,
                 "normal[|s] in the file ha[s|ve] no direction; unlit");
+    add_finding(findings_, "colors_out_of_range", n_colors_outside_,
+                "colour[ lies|s lie] outside of [0,1]; clamped");
     add_finding(findings_, "flat_primitives", n_flat_,
                 "placed primitive[ has|s have] no normals; shaded flat");
     add_finding(findings_, "textures_without_texcoords", n_without_texcoords_,
@@ -332,7 +339,8 @@ class SceneReader {
   bool has_default_material_ = false;
   std::uint32_t n_source_vertices_ = 0;
   std::size_t n_corners_left_over_ = 0, n_points_and_lines_ = 0, n_without_positions_ = 0, n_flat_ = 0,
-              n_skinned_ = 0, n_morphed_ = 0, n_not_finite_ = 0, n_undirected_ = 0, n_without_texcoords_ = 0;
+              n_skinned_ = 0, n_morphed_ = 0, n_not_finite_ = 0, n_undirected_ = 0, n_without_texcoords_ = 0,
+              n_colors_outside_ = 0;
 };
 
 }  // namespace
