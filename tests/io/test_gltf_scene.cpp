@@ -13,6 +13,7 @@
 #include "lambake/core/error.h"
 #include "lambake/geometry/normals.h"
 #include "lambake/io/gltf.h"
+#include "lambake/io/image_file.h"
 
 namespace lambake {
 namespace {
@@ -298,6 +299,202 @@ TEST(GltfScene, ImageNames_AreUrisWhosePlusIsAPlus) {
     FAIL();
   } catch (const IoError& error) {
     EXPECT_NE(std::string(error.what()).find("\"no+where.png\""), std::string::npos) << error.what();
+  }
+}
+
+TEST(GltfScene, InstancesOfGpuInstancing_AreRefused_RequiredOrNot) {
+  for (const bool is_required : {false, true}) {
+    GltfBuilder builder;
+    builder.add_primitive(builder.square());
+    const std::size_t places = builder.add_floats("VEC3", 2, {0, 0, 0, 2, 0, 0});
+    builder.json["extensionsUsed"] = {"EXT_mesh_gpu_instancing"};
+    if (is_required) builder.json["extensionsRequired"] = builder.json["extensionsUsed"];
+    builder.json["nodes"][0]["extensions"] = {
+        {"EXT_mesh_gpu_instancing", {{"attributes", {{"TRANSLATION", places}}}}}};
+    try {
+      read_gltf_file(builder.write(), {});
+      ADD_FAILURE() << is_required;
+    } catch (const IoError& error) {
+      const std::string line = error.what();
+      EXPECT_EQ(error.exit_code(), 3);
+      EXPECT_NE(line.find("nodes[0]: expected a mesh placed once"), std::string::npos) << line;
+      EXPECT_NE(line.find("EXT_mesh_gpu_instancing"), std::string::npos) << line;
+    }
+  }
+}
+
+TEST(GltfScene, SparseAccessorsWithoutAView_AreZerosButForTheirValues) {
+  GltfBuilder builder;
+  ordered_json square = builder.square();
+  square["attributes"]["TEXCOORD_0"] = builder.add_floats("VEC2", 4, {0, 0, 1, 0, 0, 1, 1, 1});
+  square["attributes"]["COLOR_0"] = builder.add_floats("VEC3", 4, {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1});
+  builder.add_primitive(square);
+  const SceneFile dense = read_lit(builder.write("dense"));
+  // The same with all but the first element as sparse values: 0 where there is no other.
+  const std::size_t n_accessors = builder.json["accessors"].size();
+  for (std::size_t a = 0; a < n_accessors; ++a) {
+    ordered_json& accessor = builder.json["accessors"][a];
+    const bool is_normal = a == square["attributes"]["NORMAL"];
+    const std::size_t n = accessor["count"].get<std::size_t>(), first = is_normal ? 0 : 1;
+    const std::size_t view = accessor["bufferView"];
+    std::vector<std::uint16_t> elements;
+    for (std::size_t i = first; i < n; ++i) elements.push_back(static_cast<std::uint16_t>(i));
+    const std::size_t bytes = builder.json["bufferViews"][view]["byteLength"].get<std::size_t>() / n;
+    const std::size_t numbers = builder.add(5123, "SCALAR", elements.size(), elements);
+    const ordered_json numbers_view = builder.json["accessors"][numbers]["bufferView"];
+    ordered_json& sparse = builder.json["accessors"][a];
+    sparse.erase("bufferView");
+    sparse["sparse"] = {{"count", n - first},
+                        {"indices", {{"bufferView", numbers_view}, {"componentType", 5123}}},
+                        {"values", {{"bufferView", view}, {"byteOffset", first * bytes}}}};
+  }
+  const SceneFile file = read_lit(builder.write("sparse"));
+  EXPECT_EQ(file.scene.mesh.positions, dense.scene.mesh.positions);
+  EXPECT_EQ(file.scene.mesh.normals, dense.scene.mesh.normals);
+  EXPECT_EQ(file.scene.mesh.texcoords, dense.scene.mesh.texcoords);
+  EXPECT_EQ(file.scene.mesh.colors, dense.scene.mesh.colors);
+  EXPECT_EQ(file.scene.mesh.triangles, dense.scene.mesh.triangles);
+  // As it is, and with its vertices written anew.
+  const std::string path = temporary_file("out.glb");
+  for (const bool is_cut : {false, true}) {
+    const BakedColors baked = is_cut ? cut_first_triangle(file.scene) : bake(file.scene, {});
+    write_gltf_file(path, file, baked, {});
+    const SceneFile again = read_gltf_file(path, {});
+    EXPECT_EQ(again.scene.mesh.triangles.size(), is_cut ? 3U : 2U);
+    if (is_cut) continue;
+    EXPECT_EQ(again.scene.mesh.texcoords, dense.scene.mesh.texcoords);
+    EXPECT_EQ(again.scene.mesh.triangles, dense.scene.mesh.triangles);
+  }
+}
+
+TEST(GltfScene, IndicesThatAreAllZero_NeedNoView) {
+  GltfBuilder builder;
+  builder.add_primitive(builder.square());
+  builder.json["accessors"].back().erase("bufferView");
+  const Mesh mesh = read_gltf_file(builder.write(), {}).scene.mesh;
+  EXPECT_EQ(mesh.triangles, (std::vector<glm::uvec3>(2, {0, 0, 0})));
+}
+
+TEST(GltfScene, ColoursOutOfRange_AreClampedAndCounted) {
+  GltfBuilder builder;
+  ordered_json square = builder.square();
+  square["attributes"]["COLOR_0"] =
+      builder.add_floats("VEC4", 4, {0, 0, 0, 1, 2, 0, 0, 1, 0, -1, 0, 1, 0, 0, 1, 1.5f});
+  builder.add_primitive(square);
+  const SceneFile file = read_lit(builder.write());
+  EXPECT_EQ(count_of(file.findings, "colors_out_of_range"), 3U);
+  EXPECT_EQ(file.scene.mesh.colors, (std::vector<LinearRgb>{{0, 0, 0}, {1, 0, 0}, {0, 0, 0}, {0, 0, 1}}));
+  EXPECT_EQ(file.scene.mesh.opacities, (std::vector<float>(4, 1.0f)));
+}
+
+/// A square with a material of the given picture, as `name` in the material or in its base colour.
+void add_textured_square(GltfBuilder& builder, const char* name, const LinearRgb& color, bool has_texcoords) {
+  const std::string png = encode_png({1, 1, {color}});
+  ordered_json square = builder.square();
+  if (has_texcoords)
+    square["attributes"]["TEXCOORD_0"] = builder.add_floats("VEC2", 4, {0, 0, 1, 0, 0, 1, 1, 1});
+  const std::size_t bytes =
+      builder.add(5121, "SCALAR", png.size(), std::vector<unsigned char>(png.begin(), png.end()));
+  builder.json["images"] = {
+      {{"bufferView", builder.json["accessors"][bytes]["bufferView"]}, {"mimeType", "image/png"}}};
+  builder.json["textures"] = {{{"source", 0}}};
+  builder.json["materials"] = {
+      {{"pbrMetallicRoughness", ordered_json::object()}, {"emissiveFactor", {1, 0.5, 1}}}};
+  ordered_json& material = builder.json["materials"][0];
+  const bool is_emission = std::string(name) == "emissiveTexture";
+  (is_emission ? material : material["pbrMetallicRoughness"])[name] = {{"index", 0}};
+  square["material"] = 0;
+  builder.add_primitive(square);
+}
+
+TEST(GltfScene, EmissionBehindABlackTexture_IsNone) {
+  for (const float level : {0.0f, 0.5f}) {
+    GltfBuilder builder;
+    add_textured_square(builder, "emissiveTexture", {level, 0, 0}, true);
+    SceneFile file = read_lit(builder.write());
+    EXPECT_EQ(has_emission(file.scene.materials[0]), level > 0);
+    for (const GltfWriteOptions& options : {GltfWriteOptions{}, GltfWriteOptions{.mark_unlit = false}})
+      EXPECT_EQ(gltf_output(file, options).gaps.size(), level > 0 && options.mark_unlit ? 1U : 0U);
+    const WrittenColors written = write_gltf_file(temporary_file("out.glb"), file, bake(file.scene, {}), {});
+    EXPECT_EQ(count_of(written.findings, "emission_not_written"), level > 0 ? 4U : 0U);
+    // Another emission than that of the file would stay there.
+    file.scene.materials[0].emission = {0.25f, 0, 0};
+    EXPECT_FALSE(gltf_output(file, {.mark_unlit = false}).gaps.empty());
+  }
+}
+
+// Viewers differ in what they show there.
+TEST(GltfScene, TexturesWithoutTexcoords_AreTold_AndNotCertified) {
+  GltfBuilder builder;
+  add_textured_square(builder, "baseColorTexture", {0.5f, 0, 0}, false);
+  builder.json["materials"][0].erase("emissiveFactor");
+  const SceneFile none = read_lit(builder.write());
+  EXPECT_EQ(count_of(none.findings, "textures_without_texcoords"), 1U);
+  EXPECT_EQ(none.scene.materials[0].base_color_texture, no_texture);
+  EXPECT_EQ(gltf_output(none, {}).gaps.size(), 1U);
+  // The material comes back as it was.
+  write_gltf_file(temporary_file("out.glb"), none, bake(none.scene, {}), {});
+  EXPECT_EQ(read_glb(temporary_file("out.glb")).json["materials"][0]["pbrMetallicRoughness"],
+            builder.json["materials"][0]["pbrMetallicRoughness"]);
+  // Another primitive of the material has some.
+  ordered_json square = builder.square();
+  square["attributes"]["TEXCOORD_0"] = builder.add_floats("VEC2", 4, {0, 0, 1, 0, 0, 1, 1, 1});
+  square["material"] = 0;
+  builder.add_primitive(square);
+  const SceneFile mixed = read_lit(builder.write());
+  EXPECT_EQ(count_of(mixed.findings, "textures_without_texcoords"), 1U);
+  EXPECT_EQ(mixed.scene.materials[0].base_color_texture, 0U);
+  EXPECT_EQ(gltf_output(mixed, {}).gaps.size(), 1U);
+  // All have.
+  builder.json["meshes"][0]["primitives"].erase(0);
+  const SceneFile all = read_lit(builder.write());
+  EXPECT_EQ(count_of(all.findings, "textures_without_texcoords"), 0U);
+  EXPECT_TRUE(gltf_output(all, {}).gaps.empty());
+}
+
+/// A WebP of one pixel, without loss: 255, 0, 0.
+const std::string red_webp = [] {
+  constexpr unsigned char bytes[] = {'R',  'I',  'F',  'F',  22,   0,    0,    0,    'W',  'E',
+                                     'B',  'P',  'V',  'P',  '8',  'L',  10,   0,    0,    0,
+                                     0x2f, 0x00, 0x00, 0x00, 0x00, 0x88, 0xfe, 0x47, 0xff, 0x03};
+  return std::string(std::begin(bytes), std::end(bytes));
+}();
+
+TEST(GltfScene, SourceOfTheWebpExtension_IsReadAndKept) {
+  for (const bool is_beside : {false, true}) {
+    GltfBuilder builder;
+    add_textured_square(builder, "baseColorTexture", {0, 0, 1}, true);
+    builder.json["materials"][0].erase("emissiveFactor");
+    builder.json["extensionsUsed"] = builder.json["extensionsRequired"] = {"EXT_texture_webp"};
+    builder.json["textures"] = {{{"extensions", {{"EXT_texture_webp", {{"source", 1}}}}}}};
+    if (is_beside) {
+      write_bytes(temporary_file("red.webp"), red_webp);
+      const std::string name = std::filesystem::path(temporary_file("red.webp")).filename().string();
+      builder.json["images"].push_back({{"uri", name}});
+    } else {
+      const std::size_t bytes = builder.add(5121, "SCALAR", red_webp.size(),
+                                            std::vector<unsigned char>(red_webp.begin(), red_webp.end()));
+      builder.json["images"].push_back(
+          {{"bufferView", builder.json["accessors"][bytes]["bufferView"]}, {"mimeType", "image/webp"}});
+    }
+    const SceneFile file = read_lit(builder.write());
+    EXPECT_EQ(file.findings.size(), 0U);
+    ASSERT_EQ(file.scene.images.size(), 1U);
+    EXPECT_EQ(file.scene.images[0].pixel(0), glm::vec4(1, 0, 0, 1));
+    const WrittenColors written = write_gltf_file(temporary_file("out.glb"), file, bake(file.scene, {}), {});
+    EXPECT_EQ(count_of(written.findings, "images_not_embedded"), 0U);
+    const Glb glb = read_glb(temporary_file("out.glb"));
+    EXPECT_EQ(glb.json["textures"], builder.json["textures"]);
+    EXPECT_EQ(glb.json["extensionsRequired"], builder.json["extensionsRequired"]);
+    EXPECT_EQ(glb.json["images"][1]["mimeType"], "image/webp");
+    EXPECT_EQ(read_gltf_file(temporary_file("out.glb"), {}).scene.images[0].pixel(0), glm::vec4(1, 0, 0, 1));
+    // Where it does not decode there may be another.
+    builder.json.erase("extensionsRequired");
+    write_bytes(temporary_file("red.webp"), "RIFF");
+    builder.json["images"][1] = {{"uri", "data:image/webp;base64,UklGRg=="}};
+    EXPECT_THROW(read_gltf_file(builder.write(), {}), IoError);
+    builder.json["textures"][0]["source"] = 0;
+    EXPECT_EQ(read_gltf_file(builder.write(), {}).scene.images[0].pixel(0), glm::vec4(0, 0, 1, 1));
   }
 }
 

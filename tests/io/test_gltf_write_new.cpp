@@ -196,6 +196,18 @@ TEST(NewGltf, TextureOfAFile_KeepsItsBytes_AnotherBecomesPng) {
   EXPECT_EQ(type, "image/png");
 }
 
+// glTF forbids it (Khronos' validator: MESH_PRIMITIVE_TOO_FEW_TEXCOORDS); pictures take it for white.
+TEST(NewGltf, TextureWithoutTexcoords_IsNotWritten) {
+  Square square;
+  square.file.scene.images.push_back({1, 1, {glm::vec4(0.5f)}});
+  square.file.scene.textures.emplace_back();
+  square.file.scene.materials[0].base_color_texture = 0;
+  const Glb glb = square.write();
+  EXPECT_FALSE(glb.json["materials"][0]["pbrMetallicRoughness"].contains("baseColorTexture"));
+  EXPECT_FALSE(glb.json.contains("images"));
+  EXPECT_FALSE(glb.primitive(0, 0)["attributes"].contains("TEXCOORD_0"));
+}
+
 TEST(NewGltf, ManyVertices_TakeIndicesOf32Bit) {
   Square square;
   square.file.scene.mesh.positions.resize(65536, {0, 0, 0});

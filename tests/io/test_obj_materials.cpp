@@ -4,6 +4,7 @@
 
 #include "io/mesh_folder.h"
 #include "lambake/core/color.h"
+#include "lambake/io/image_file.h"
 #include "lambake/io/scene_file.h"
 
 namespace lambake {
@@ -13,7 +14,7 @@ class ObjMaterialsTest : public MeshFileTest {
  protected:
   /// An OBJ of one triangle, behind `lines`.
   SceneFile read_obj(const std::string& lines) {
-    return read("a.obj", lines + "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    return read("a.obj", lines + "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n");
   }
   /// The triangle's material, from a library with these lines.
   Material read_material(const std::string& lines) {
@@ -89,6 +90,42 @@ TEST_F(ObjMaterialsTest, EmissionTexture_MultipliesTheEmission) {
   EXPECT_EQ(read_material("Ke 0 0 0\nmap_Ke grey.jpg\n").emission, black);
   EXPECT_EQ(read_material("map_Ke missing.jpg\n").emission, black);
   EXPECT_EQ(n_told("unreadable_textures"), 1u);
+}
+
+TEST_F(ObjMaterialsTest, EmissionBehindABlackTexture_IsNone) {
+  write_picture((folder / "black.png").string(), {2, 1, {{0, 0, 0}, {0, 0, 0}}});
+  write_picture((folder / "spot.png").string(), {2, 1, {{0, 0, 0}, {0, 0, 1}}});
+  EXPECT_EQ(read_material("Ke 1 0 0\nmap_Ke black.png\n").emission, black);
+  EXPECT_EQ(read_material("Ke 1 0 0\nmap_Ke spot.png\n").emission, red);
+}
+
+// As where the texture cannot be read: white, and no emission.
+TEST_F(ObjMaterialsTest, TexturesOfFacesWithoutTexcoords_AreNotUsed_AndTold) {
+  std::filesystem::copy_file(LAMBAKE_SOURCE_DIR "/tests/io/grey188.jpg", folder / "grey.jpg");
+  write("a.mtl", "newmtl m\nKd 1 0 0\nmap_Kd grey.jpg\nmap_Ke grey.jpg\nnewmtl n\nmap_Kd grey.jpg\n");
+  const std::string quad = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+  const auto looks = [](const SceneFile& file, std::size_t triangle) {
+    const Material& material = file.scene.materials[file.scene.mesh.material_of(triangle)];
+    return std::pair(material.base_color_texture != no_texture, has_emission(material));
+  };
+  constexpr std::pair plain(false, false);
+  const SceneFile none = read("a.obj", quad + "usemtl m\nf 1 2 3 4\nusemtl n\nf 1 2 3\n");
+  EXPECT_EQ(looks(none, 0), plain);
+  EXPECT_EQ(looks(none, 2), plain);
+  EXPECT_EQ(none.scene.materials[none.scene.mesh.material_of(0)].base_color, red);
+  EXPECT_EQ(count_of(none, "textures_without_texcoords"), 2u);
+  EXPECT_EQ(count_of(none, "corners_without_texcoord"), 0u);
+  // Others have some.
+  const SceneFile one = read("b.obj", quad + "vt 0 1\nusemtl m\nf 1 2 3 4\nusemtl n\nf 1/1 2/1 3/1\n");
+  EXPECT_EQ(looks(one, 0), plain);
+  EXPECT_EQ(looks(one, 2), std::pair(true, false));
+  EXPECT_EQ(count_of(one, "textures_without_texcoords"), 1u);
+  EXPECT_EQ(count_of(one, "corners_without_texcoord"), 0u);
+  // Others of the same material have some.
+  const SceneFile mixed = read("c.obj", quad + "vt 0 1\nusemtl m\nf 1 2 3 4\nf 1/1 2/1 3/1\n");
+  EXPECT_EQ(looks(mixed, 0), std::pair(true, true));
+  EXPECT_EQ(count_of(mixed, "textures_without_texcoords"), 0u);
+  EXPECT_EQ(count_of(mixed, "corners_without_texcoord"), 4u);
 }
 
 TEST_F(ObjMaterialsTest, TransparencyOfEveryKind_IsToldOnceForEachMaterial) {

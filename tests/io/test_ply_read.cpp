@@ -98,6 +98,15 @@ TEST_F(PlyReadTest, TexturesOfOneName_AreOneImage) {
   EXPECT_EQ(scene.materials[scene.mesh.material_of(0)].base_color_texture, 0u);
 }
 
+TEST_F(PlyReadTest, TextureOfNoTexcoords_IsNotUsedAndTold) {
+  std::filesystem::copy_file(LAMBAKE_SOURCE_DIR "/tests/io/grey188.jpg", folder / "grey.jpg");
+  std::string text = ply("", "", 4, 1, "0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n");
+  text.insert(text.find("element vertex"), "comment TextureFile grey.jpg\n");
+  const SceneFile file = read("a.ply", text);
+  EXPECT_EQ(file.scene.materials[file.scene.mesh.material_of(0)].base_color_texture, no_texture);
+  EXPECT_EQ(count_of(file, "textures_without_texcoords"), 1u);
+}
+
 TEST_F(PlyReadTest, RedAlone_LeavesTheColorsToTheFaces) {
   const std::string colors = "property uchar red\nproperty uchar green\nproperty uchar blue\n";
   const std::string body = "0 0 0 9\n1 0 0 9\n1 1 0 9\n3 0 1 2 255 0 0\n";

@@ -1,4 +1,5 @@
 #include "lambake/io/ply_write.h"
+#include "lambake/io/scene_file.h"
 
 #include <gtest/gtest.h>
 

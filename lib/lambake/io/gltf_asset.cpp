@@ -75,6 +75,27 @@ std::string encode_for_tinygltf(const std::string& name) {
   return uri;
 }
 
+/// tinygltf wants a buffer view of indices. Without one they are zeros, but for sparse values.
+void hide_indices_without_view(GltfJson& plain) {
+  const GltfJson& accessors = member(plain, "accessors");
+  if (!member(plain, "meshes").is_array()) return;
+  for (GltfJson& mesh : plain["meshes"]) {
+    if (!member(mesh, "primitives").is_array()) continue;
+    for (GltfJson& primitive : mesh["primitives"])
+      if (const GltfJson& index = member(primitive, "indices");
+          index.is_number() && index < accessors.size() &&
+          member(accessors[index.get<std::size_t>()], "bufferView").is_null())
+        primitive.erase("indices");
+  }
+}
+
+void restore_indices(const GltfJson& json, tinygltf::Model& model) {
+  for (std::size_t m = 0; m < model.meshes.size(); ++m)
+    for (std::size_t p = 0; p < model.meshes[m].primitives.size(); ++p)
+      if (const GltfJson& index = member(json["meshes"][m]["primitives"][p], "indices"); index.is_number())
+        model.meshes[m].primitives[p].indices = index.get<int>();
+}
+
 /// What tinygltf stumbles over though the specification allows it, or that it need not see.
 void prepare(GltfJson& plain, std::vector<std::vector<unsigned char>>& buffers) {
   for (std::size_t i = 0; i < buffers.size(); ++i) {
@@ -88,6 +109,7 @@ void prepare(GltfJson& plain, std::vector<std::vector<unsigned char>>& buffers) 
       if (const GltfJson& uri = member(image, "uri"); uri.is_string())
         if (const std::string text = uri; !text.starts_with("data:"))
           image["uri"] = encode_for_tinygltf(decode_percent(text));
+  hide_indices_without_view(plain);
   if (member(plain, "accessors").is_array())
     for (GltfJson& accessor : plain["accessors"])
       if (member(accessor, "sparse").is_object())
@@ -265,6 +287,7 @@ GltfAsset load_gltf_asset(const std::string& path) {
   prepare(plain, buffers);
   asset.model = parse_model(path, plain, std::move(buffers));
   asset.json = std::move(source.json);
+  restore_indices(asset.json, asset.model);
   check_accessors(path, asset.model);
   ModelCheck(path, asset.model).run();
   check_variants(path, asset.json);

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "lambake/core/color.h"
 #include "lambake/io/gltf_document.h"
 #include "lambake/io/scene_file.h"
 
@@ -39,6 +40,8 @@ struct GltfAsset {
   tinygltf::Model model;  ///< Nothing compressed, everything checked; images hold their encoded bytes.
   std::size_t n_file_buffers = 0;  ///< The first of `model.buffers` are the file's own (fallbacks: 1 byte).
   std::vector<PlacedPrimitive> placed;  ///< In the order of the mesh.
+  /// Of each material of the file, but for its texture; 0 where that is black.
+  std::vector<LinearRgb> emissions;
 };
 
 /// Reads and checks a file: every buffer view lies in its buffer, every accessor in its view, every index

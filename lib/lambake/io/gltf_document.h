@@ -25,6 +25,7 @@ constexpr bool is_unsigned(int component_type) {
          component_type == unsigned_int;
 }
 inline constexpr const char *draco = "KHR_draco_mesh_compression", *meshopt = "EXT_meshopt_compression",
+                            *instancing = "EXT_mesh_gpu_instancing", *texture_webp = "EXT_texture_webp",
                             *unlit = "KHR_materials_unlit";
 }  // namespace gltf
 

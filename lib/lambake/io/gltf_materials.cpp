@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <string_view>
+#include <utility>
 
 #include "lambake/core/error.h"
 #include "lambake/io/gltf_source.h"
@@ -53,6 +55,8 @@ class MaterialReader {
     fallback.is_double_sided = false;
     add_finding(findings_, "textures_left_out", n_left_out_,
                 "texture[ uses|s use] a third set of texture coordinates or ha[s|ve] no image; left out");
+    add_finding(findings_, "webp_not_decoded", n_undecoded_webp_,
+                "texture[ has|s have] a WebP picture that does not decode; the other one is used");
     add_finding(findings_, "factors_clamped", n_clamped_,
                 "material[ has|s have] a factor below 0, or an opacity outside of 0 to 1; clamped");
   }
@@ -74,6 +78,11 @@ class MaterialReader {
     material.emission = emission_of_file(from, json);
     if (!(material.emission == LinearRgb{0, 0, 0}))
       material.emission_texture = read_texture(from.emissiveTexture, member(json, "emissiveTexture"));
+    if (material.emission_texture != no_texture &&
+        is_black(scene_.images[scene_.textures[material.emission_texture].image])) {
+      material.emission_texture = no_texture;
+      material.emission = {0, 0, 0};
+    }
     material.alpha_mode = from.alphaMode == "MASK"    ? AlphaMode::mask
                           : from.alphaMode == "BLEND" ? AlphaMode::blend
                                                       : AlphaMode::opaque;
@@ -89,12 +98,13 @@ class MaterialReader {
     const GltfJson& transform = member(member(json, "extensions"), "KHR_texture_transform");
     Texture texture;
     texture.texcoord_set = static_cast<int>(number_or(member(transform, "texCoord"), info.texCoord));
-    if (from.source < 0 || index_of(from.source) >= asset_.model.images.size() || texture.texcoord_set < 0 ||
-        texture.texcoord_set > 1) {
+    const bool has_set = texture.texcoord_set == 0 || texture.texcoord_set == 1;
+    const std::optional<std::uint32_t> image = has_set ? read_image_of(index_of(info.index)) : std::nullopt;
+    if (!image) {
       ++n_left_out_;
       return no_texture;
     }
-    texture.image = read_image(index_of(from.source));
+    texture.image = *image;
     if (from.sampler >= 0) {
       const tinygltf::Sampler& sampler = asset_.model.samplers[index_of(from.sampler)];
       texture.wrap_s = wrap_of(sampler.wrapS), texture.wrap_t = wrap_of(sampler.wrapT);
@@ -120,21 +130,40 @@ class MaterialReader {
     return translation * rotation * scale;
   }
 
+  /// The image of a texture, if it has one: that of EXT_texture_webp before the other, which is for readers
+  /// that cannot decode it.
+  std::optional<std::uint32_t> read_image_of(std::size_t texture) {
+    const GltfJson& json = asset_.json["textures"][texture];
+    const GltfJson& webp = member(member(member(json, "extensions"), gltf::texture_webp), "source");
+    const GltfJson& plain = member(json, "source");
+    const auto is_there = [&](const GltfJson& source) {
+      return !source.is_null() && source.get<std::size_t>() < asset_.model.images.size();
+    };
+    if (is_there(webp)) {
+      try {
+        return read_image(webp.get<std::size_t>());
+      } catch (const IoError&) {
+        if (!is_there(plain)) throw;
+        ++n_undecoded_webp_;
+      }
+    }
+    if (!is_there(plain)) return std::nullopt;
+    return read_image(plain.get<std::size_t>());
+  }
+
   std::uint32_t read_image(std::size_t index) {
     const std::vector<unsigned char>& bytes = asset_.model.images[index].image;
     // Equal bytes are one image, however many name them.
-    const auto [place, is_new] =
-        image_of_.try_emplace(std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()),
-                              static_cast<std::uint32_t>(scene_.images.size()));
-    if (is_new) {
-      const std::string name = fmt::format("{}: images[{}]", asset_.path, index);
-      if (bytes.empty())
-        throw IoError(
-            name, "expected a file " + shown(member(asset_.json["images"][index], "uri")) + ", found none");
-      scene_.images.push_back(decode_image(std::as_bytes(std::span(bytes)), name));
-      count_pixels(scene_.images.back().n_pixels(), bytes.size(), name);
-    }
-    return place->second;
+    const std::string_view key(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    if (const auto known = image_of_.find(key); known != image_of_.end()) return known->second;
+    const std::string name = fmt::format("{}: images[{}]", asset_.path, index);
+    if (bytes.empty())
+      throw IoError(name,
+                    "expected a file " + shown(member(asset_.json["images"][index], "uri")) + ", found none");
+    Image image = decode_image(std::as_bytes(std::span(bytes)), name);
+    count_pixels(image.n_pixels(), bytes.size(), name);
+    scene_.images.push_back(std::move(image));
+    return image_of_.emplace(key, static_cast<std::uint32_t>(scene_.images.size() - 1)).first->second;
   }
 
   /// Holds the pixels of all images to the bytes that they are decoded from: a few may claim any size.
@@ -153,18 +182,19 @@ class MaterialReader {
   Findings& findings_;
   std::map<std::string_view, std::uint32_t> image_of_;  ///< By their encoded bytes.
   std::uint64_t n_pixels_ = 0, n_most_pixels_ = free_pixels;
-  std::size_t n_left_out_ = 0, n_clamped_ = 0;
+  std::size_t n_left_out_ = 0, n_clamped_ = 0, n_undecoded_webp_ = 0;
 };
 
 }  // namespace
 
-void read_gltf_materials(const GltfAsset& asset, Scene& scene, Findings& findings) {
+void read_gltf_materials(GltfAsset& asset, Scene& scene, Findings& findings) {
   MaterialReader(asset, scene, findings).run();
+  for (std::size_t m = 0; m < asset.model.materials.size(); ++m)
+    asset.emissions.push_back(scene.materials[m].emission);
 }
 
 LinearRgb emission_in_file(const GltfAsset& asset, std::size_t material) {
-  if (material >= asset.model.materials.size()) return {0, 0, 0};  // The default one.
-  return emission_of_file(asset.model.materials[material], asset.json["materials"][material]);
+  return material < asset.emissions.size() ? asset.emissions[material] : LinearRgb{0, 0, 0};  // The default.
 }
 
 bool has_unread_texture(const GltfAsset& asset, const Scene& scene, std::size_t material) {
@@ -173,6 +203,17 @@ bool has_unread_texture(const GltfAsset& asset, const Scene& scene, std::size_t 
   const Material& read = scene.materials[material];
   return (from.pbrMetallicRoughness.baseColorTexture.index >= 0 && read.base_color_texture == no_texture) ||
          (from.emissiveTexture.index >= 0 && read.emission_texture == no_texture && has_emission(read));
+}
+
+bool has_texcoords(const tinygltf::Primitive& primitive, const Texture& texture) {
+  return primitive.attributes.contains(fmt::format("TEXCOORD_{}", texture.texcoord_set));
+}
+
+bool lacks_texcoords(const tinygltf::Primitive& primitive, const Scene& scene, const Material& material) {
+  const auto lacks = [&](std::uint32_t texture) {
+    return texture != no_texture && !has_texcoords(primitive, scene.textures[texture]);
+  };
+  return lacks(material.base_color_texture) || (has_emission(material) && lacks(material.emission_texture));
 }
 
 }  // namespace lambake

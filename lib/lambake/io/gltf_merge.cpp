@@ -41,9 +41,10 @@ void embed_images(const GltfAsset& asset, GltfDocument& document, Findings& find
     image["mimeType"] = mime_type;
     image["bufferView"] = append_view(document, bytes, 0, 0);
   }
-  add_finding(findings, "images_not_embedded", n_missing,
-              "image[ is|s are] missing or neither PNG nor JPEG; the written file names [it|them] where the "
-              "input did");
+  add_finding(
+      findings, "images_not_embedded", n_missing,
+      "image[ is|s are] missing or neither PNG, JPEG nor WebP; the written file names [it|them] where the "
+      "input did");
 }
 
 }  // namespace

@@ -7,22 +7,13 @@
 namespace lambake {
 namespace {
 
-constexpr const char* instancing = "EXT_mesh_gpu_instancing";
-
 /// Whether all that an extension refers to is visited below.
 bool is_known(std::string_view name) {
-  constexpr std::string_view known[] = {gltf::draco,
-                                        instancing,
-                                        gltf::meshopt,
-                                        "KHR_animation_pointer",
-                                        "KHR_lights_punctual",
-                                        "KHR_mesh_quantization",
-                                        "KHR_node_visibility",
-                                        "KHR_texture_basisu",
-                                        "KHR_texture_transform",
-                                        "KHR_xmp_json_ld",
-                                        "EXT_texture_avif",
-                                        "EXT_texture_webp"};
+  constexpr std::string_view known[] = {
+      gltf::draco,           gltf::meshopt,           "KHR_animation_pointer",
+      "KHR_lights_punctual", "KHR_mesh_quantization", "KHR_node_visibility",
+      "KHR_texture_basisu",  "KHR_texture_transform", "KHR_xmp_json_ld",
+      "EXT_texture_avif",    gltf::texture_webp};
   return name.starts_with("KHR_materials_") ||
          std::find(std::begin(known), std::end(known), name) != std::end(known);
 }
@@ -62,7 +53,6 @@ void visit_accessors(GltfJson& json, const Visit& body) {
   visit(json, {"animations", "*", "samplers", "*", "input"}, body);
   visit(json, {"animations", "*", "samplers", "*", "output"}, body);
   visit(json, {"skins", "*", "inverseBindMatrices"}, body);
-  visit(json, {"nodes", "*", "extensions", instancing, "attributes", "*"}, body);
 }
 
 void visit_views(GltfJson& json, const Visit& body) {

@@ -43,6 +43,7 @@ class SceneReader {
     read_gltf_materials(asset_, scene_, findings_);
     count_file();
     choose_arrays();
+    choose_textures();
     for (const std::size_t node : nodes_) read_node(node);
     if (scene_.mesh.triangles.empty())
       throw InvalidScene(asset_.path + ": expected a scene with triangles, found none");
@@ -96,6 +97,30 @@ class SceneReader {
       for (std::size_t set = 0; set < 2; ++set)
         has_texcoords_[set] |= primitive.attributes.contains(fmt::format("TEXCOORD_{}", set));
     });
+  }
+
+  std::size_t material_of(const tinygltf::Primitive& primitive) const {
+    return primitive.material >= 0 ? index_of(primitive.material) : model().materials.size();
+  }
+
+  /// A material does without a texture that none of its primitives has coordinates for. Primitives beside
+  /// others that have some get (0,0).
+  void choose_textures() {
+    for_each_placed_primitive([&](const tinygltf::Primitive& primitive) {
+      n_without_texcoords_ += lacks_texcoords(primitive, scene_, scene_.materials[material_of(primitive)]);
+    });
+    for (std::uint32_t Material::*const texture :
+         {&Material::base_color_texture, &Material::emission_texture}) {
+      std::vector<bool> is_placed(scene_.materials.size(), false), is_used(is_placed);
+      for_each_placed_primitive([&](const tinygltf::Primitive& primitive) {
+        const std::size_t m = material_of(primitive);
+        const std::uint32_t index = scene_.materials[m].*texture;
+        is_used[m] = true;
+        if (index != no_texture && has_texcoords(primitive, scene_.textures[index])) is_placed[m] = true;
+      });
+      for (std::size_t m = 0; m < is_used.size(); ++m)
+        if (is_used[m] && !is_placed[m]) scene_.materials[m].*texture = no_texture;
+    }
   }
 
   void read_node(std::size_t index) {
@@ -152,8 +177,7 @@ class SceneReader {
     read_colors(node, primitive, selection, where);
     for (std::size_t set = 0; set < 2; ++set) read_texcoords(node, primitive, set, selection, where);
 
-    const auto material = static_cast<std::uint32_t>(primitive.material >= 0 ? index_of(primitive.material)
-                                                                             : model().materials.size());
+    const auto material = static_cast<std::uint32_t>(material_of(primitive));
     has_default_material_ |= primitive.material < 0;
     for (glm::uvec3& t : triangles) {
       t += placed.vertex_begin;
@@ -189,9 +213,14 @@ class SceneReader {
     const std::vector<float> values =
         read_morphed(asset_, model().nodes[node], primitive, "COLOR_0", n_components, selection, where);
     const auto unit = [](float x) { return x >= 0 ? std::min(x, 1.0f) : 0.0f; };
+    // Sums of morph targets are clamped by the specification: nothing to tell.
+    const bool is_morphed = std::any_of(primitive.targets.begin(), primitive.targets.end(),
+                                        [](const auto& target) { return target.contains("COLOR_0"); });
+    const auto is_outside = [](float x) { return !(x >= 0 && x <= 1); };
     if (mesh.colors.empty()) mesh.colors.reserve(selection.size());
     for (std::size_t i = 0; i < selection.size(); ++i) {
       const float* c = values.data() + i * n_components;
+      n_colors_outside_ += !is_morphed && std::any_of(c, c + n_components, is_outside);
       mesh.colors.push_back({unit(c[0]), unit(c[1]), unit(c[2])});
       if (has_opacities_) mesh.opacities.push_back(n_components == 4 ? unit(c[3]) : 1.0f);
     }
@@ -270,8 +299,13 @@ class SceneReader {
                 "lit nor seen");
     add_finding(findings_, "normals_without_direction", n_undirected_,
                 "normal[|s] in the file ha[s|ve] no direction; unlit");
+    add_finding(findings_, "colors_out_of_range", n_colors_outside_,
+                "colour[ lies|s lie] outside of [0,1]; clamped");
     add_finding(findings_, "flat_primitives", n_flat_,
                 "placed primitive[ has|s have] no normals; shaded flat");
+    add_finding(findings_, "textures_without_texcoords", n_without_texcoords_,
+                "placed primitive[ has|s have] no texture coordinates for a texture of [its|their] material; "
+                "white instead, or (0,0) where others of the material have some, and viewers differ");
     add_finding(findings_, "skinned_nodes", n_skinned_,
                 "node[ is|s are] skinned; baked in the pose of the file");
     add_finding(findings_, "morphed_nodes", n_morphed_,
@@ -306,7 +340,8 @@ class SceneReader {
   bool has_default_material_ = false;
   std::uint32_t n_source_vertices_ = 0;
   std::size_t n_corners_left_over_ = 0, n_points_and_lines_ = 0, n_without_positions_ = 0, n_flat_ = 0,
-              n_skinned_ = 0, n_morphed_ = 0, n_not_finite_ = 0, n_undirected_ = 0;
+              n_skinned_ = 0, n_morphed_ = 0, n_not_finite_ = 0, n_undirected_ = 0, n_without_texcoords_ = 0,
+              n_colors_outside_ = 0;
 };
 
 }  // namespace

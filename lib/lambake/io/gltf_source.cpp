@@ -18,8 +18,9 @@
 namespace lambake {
 namespace {
 
-constexpr std::array<std::string_view, 19> known_extensions{
+constexpr std::array<std::string_view, 20> known_extensions{
     "EXT_meshopt_compression",
+    "EXT_texture_webp",
     "KHR_draco_mesh_compression",
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
@@ -98,6 +99,16 @@ void check_version(const GltfSource& source) {
     throw IoError(source.path, "asset.version: expected \"2.0\", found " + shown(version));
 }
 
+/// Each of the instances would take light of its own.
+void check_instances(const GltfSource& source) {
+  const GltfJson& nodes = member(source.json, "nodes");
+  for (std::size_t n = 0; n < nodes.size(); ++n)
+    if (!member(member(nodes[n], "extensions"), gltf::instancing).is_null())
+      throw IoError(source.path, fmt::format("nodes[{}]: expected a mesh placed once, found instances by {}: "
+                                             "write them out as nodes first",
+                                             n, gltf::instancing));
+}
+
 void check_asset(const GltfSource& source) {
   const GltfJson& version = member(member(source.json, "asset"), "version");
   if (!version.is_string())
@@ -105,6 +116,7 @@ void check_asset(const GltfSource& source) {
   const GltfJson& least = member(member(source.json, "asset"), "minVersion");
   if (least.is_string() && least != "2.0")
     throw IoError(source.path, "asset.minVersion: expected \"2.0\", found " + shown(least));
+  check_instances(source);
   for (const GltfJson& name : member(source.json, "extensionsRequired"))
     if (!is_known_extension(name.get<std::string>()))
       throw IoError(source.path,

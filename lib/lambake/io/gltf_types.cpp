@@ -109,6 +109,7 @@ constexpr Member members[] = {
     {"materials/[]/extensions/KHR_materials_unlit", Type::object},
     {"textures/[]/sampler", Type::whole},
     {"textures/[]/source", Type::whole},
+    {"textures/[]/extensions/EXT_texture_webp/source", Type::whole},
     {"samplers/[]/magFilter", Type::whole},
     {"samplers/[]/wrapS", Type::whole},
     {"samplers/[]/wrapT", Type::whole},

@@ -3,7 +3,6 @@
 #include <string>
 
 #include "lambake/io/gltf.h"
-#include "lambake/scene/material.h"
 
 /// The two ways a glTF file is made, and what they share; internal to io.
 namespace lambake {
@@ -19,9 +18,5 @@ WrittenColors write_gltf_asset(const std::string& path, const GltfAsset& asset, 
 /// What a certificate has to know of both.
 ColorOutput new_gltf_output(const Scene& scene, const GltfWriteOptions& options);
 ColorOutput gltf_asset_output(const GltfAsset& asset, const Scene& scene, const GltfWriteOptions& options);
-
-inline bool has_texture(const Material& material) {
-  return material.base_color_texture != no_texture || material.emission_texture != no_texture;
-}
 
 }  // namespace lambake

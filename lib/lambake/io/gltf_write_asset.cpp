@@ -357,6 +357,14 @@ ColorOutput gltf_asset_output(const GltfAsset& asset, const Scene& scene, const 
   });
   add_finding(output.gaps, "certificate_not_of_file", n_unread,
               "material[ has a texture that is|s have textures that are] not read but shown from the file");
+  std::size_t n_unplaced = 0;
+  for (const PlacedPrimitive& placed : asset.placed)
+    n_unplaced += is_lit(placed, scene) &&
+                  lacks_texcoords(asset.model.meshes[placed.mesh].primitives[placed.primitive], scene,
+                                  scene.materials[scene.mesh.material_of(placed.triangle_begin)]);
+  add_finding(output.gaps, "certificate_not_of_file", n_unplaced,
+              "primitive[ has|s have] no texture coordinates for a texture of [its|their] material, where "
+              "viewers differ");
   return output;
 }
 

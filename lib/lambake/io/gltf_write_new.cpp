@@ -235,7 +235,7 @@ class NewAsset {
   /// Base colour and emission are in the vertex colours: only the texture is left to the material.
   std::size_t write_material(GltfDocument& document, const Material& material, bool is_blended) {
     GltfJson pbr{{"metallicFactor", 0.0}};
-    if (material.base_color_texture != no_texture) {
+    if (has_texcoords(material.base_color_texture)) {
       const Texture& texture = scene_.textures[material.base_color_texture];
       pbr["baseColorTexture"] = {{"index", write_texture(document, material.base_color_texture)},
                                  {"texCoord", texture.texcoord_set}};
@@ -251,6 +251,12 @@ class NewAsset {
       use_extension(document.json, gltf::unlit);
     }
     return append_to(document.json, "materials", std::move(json));
+  }
+
+  /// Whether a texture has the coordinates that it needs: without them it is white, and not written.
+  bool has_texcoords(std::uint32_t texture) const {
+    return texture != no_texture &&
+           !mesh_.texcoords[static_cast<std::size_t>(scene_.textures[texture].texcoord_set)].empty();
   }
 
   std::size_t write_texture(GltfDocument& document, std::uint32_t index) {

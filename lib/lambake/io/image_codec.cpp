@@ -104,6 +104,7 @@ std::string name_by_content(std::span<const std::byte> bytes, const std::string&
   if (text.starts_with(png_signature)) return "image.png";
   if (text.starts_with(jpeg_signature)) return "image.jpg";
   if (text.starts_with("\x76\x2f\x31\x01")) return "image.exr";
+  if (text.starts_with("RIFF") && text.substr(0, 12).ends_with("WEBP")) return "image.webp";
   return name;
 }
 

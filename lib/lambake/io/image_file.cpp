@@ -59,13 +59,21 @@ Image decode_image(std::span<const std::byte> bytes, const std::string& name) {
 std::string mime_type_of(std::string_view bytes) {
   if (bytes.starts_with("\x89PNG")) return "image/png";
   if (bytes.starts_with("\xFF\xD8")) return "image/jpeg";
+  if (bytes.starts_with("RIFF") && bytes.substr(0, 12).ends_with("WEBP")) return "image/webp";
   return "";
+}
+
+bool is_black(const Image& image) {
+  for (std::size_t i = 0; i < image.n_pixels(); ++i)
+    if (const glm::vec4 pixel = image.pixel(i); glm::vec3(pixel) != glm::vec3(0)) return false;
+  return image.n_pixels() > 0;
 }
 
 Image read_image(const std::string& path) {
   std::string bytes = read_named_bytes(path);
   Image image = decode_image(std::as_bytes(std::span(bytes.data(), bytes.size())), path);
-  if (!mime_type_of(bytes).empty()) image.file = std::move(bytes);
+  const std::string type = mime_type_of(bytes);
+  if (type == "image/png" || type == "image/jpeg") image.file = std::move(bytes);
   return image;
 }
 

@@ -116,6 +116,28 @@ void set_sources(const CanonicalFile& file, Mesh& mesh) {
   }
 }
 
+/// Materials whose faces have no texture coordinates do without their textures: as if these could not be
+/// read.
+void drop_unplaced_textures(const std::vector<bool>& has_texcoords, const Mesh& mesh,
+                            std::vector<Material>& materials, Findings& findings) {
+  std::vector<bool> is_dropped(materials.size(), false);
+  for (std::size_t m = 0; m < materials.size(); ++m) {
+    const bool has_some = !mesh.texcoords[0].empty() && (m >= has_texcoords.size() || has_texcoords[m]);
+    if (has_some || !has_texture(materials[m])) continue;
+    if (materials[m].emission_texture != no_texture) materials[m].emission = {0, 0, 0};
+    materials[m].base_color_texture = materials[m].emission_texture = no_texture;
+    is_dropped[m] = true;
+  }
+  std::size_t n_faces = 0;
+  for (std::size_t t = 0; t < mesh.n_triangles(); ++t) {
+    const bool is_first = t == 0 || mesh.source_face_of(t) != mesh.source_face_of(t - 1);
+    n_faces += is_first && is_dropped[mesh.material_of(t)];
+  }
+  add_finding(findings, "textures_without_texcoords", n_faces,
+              "face[ has|s have] no texture coordinates for the texture of [its|their] material, which "
+              "is taken for white, one of emission for black");
+}
+
 }  // namespace
 
 SceneFile read_mesh_file(const std::string& path) {
@@ -152,6 +174,7 @@ SceneFile read_mesh_file(const std::string& path) {
 
   result.scene.materials = std::move(file.materials);
   if (result.scene.materials.empty()) result.scene.materials.emplace_back();
+  drop_unplaced_textures(file.has_material_texcoords, mesh, result.scene.materials, result.findings);
   result.scene.textures = std::move(file.textures);
   result.scene.images = std::move(file.images);
   add_finding(result.findings, "split_vertices", mesh.n_vertices() - result.n_vertices,

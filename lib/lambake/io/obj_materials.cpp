@@ -8,6 +8,7 @@
 
 #include "lambake/core/utf8.h"
 #include "lambake/io/file_color.h"
+#include "lambake/io/image_file.h"
 #include "lambake/io/input_file.h"
 #include "lambake/io/text_encoding.h"
 
@@ -175,6 +176,9 @@ std::uint32_t ObjMaterials::add(const std::string& name, const Entry& entry) {
   material.emission = emission_of(entry);
   if (has_emission(material) && !entry.emission_texture.empty()) {
     material.emission_texture = textures_.use(entry.emission_texture, "no emission");
+    if (material.emission_texture != no_texture &&
+        is_black(file_.images[file_.textures[material.emission_texture].image]))
+      material.emission_texture = no_texture;
     if (material.emission_texture == no_texture) material.emission = {0, 0, 0};
   }
   file_.materials.push_back(std::move(material));

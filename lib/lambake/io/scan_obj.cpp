@@ -274,10 +274,15 @@ class ObjScan {
     set_material(static_cast<std::uint32_t>(file_.n_faces++), material);
     if (!kept_.keep(corners_.size())) return;
     ids_.clear();
+    n_without_texcoord_.resize(file_.materials.size());
+    file_.has_material_texcoords.resize(file_.materials.size());
     for (const Corner& corner : corners_) {
       ids_.push_back(id_of(corner, material));
       n_without_normal_ += corner.normal == none;
-      n_without_texcoord_ += corner.texcoord == none;
+      if (corner.texcoord == none)
+        ++n_without_texcoord_[material];
+      else
+        file_.has_material_texcoords[material] = true;
     }
     n_corners_ += corners_.size();
     append_face_row(face_rows_, ids_);
@@ -319,15 +324,20 @@ class ObjScan {
     file_.n_vertices = n_vertices_;
     kept_.finish(path_);
     if (splitter_) file_.copied_vertices = splitter_->take_copies();
-    const bool has_normals = n_without_normal_ == 0, has_texcoords = n_without_texcoord_ < n_corners_;
+    const std::vector<bool>& has_texcoord = file_.has_material_texcoords;
+    const bool has_normals = n_without_normal_ == 0,
+               has_texcoords =
+                   std::find(has_texcoord.begin(), has_texcoord.end(), true) != has_texcoord.end();
     if (!has_normals) free(file_.normals);
     if (!has_texcoords) free(file_.texcoords);
     if (!has_normals && n_without_normal_ < n_corners_)
       add_finding(file_.findings, "corners_without_normal", n_without_normal_,
                   "corner[ has|s have] no normal, so the file's normals are not used");
-    if (has_texcoords)
-      add_finding(file_.findings, "corners_without_texcoord", n_without_texcoord_,
-                  "corner[ has|s have] no texture coordinate; (0,1) instead");
+    std::size_t n_without_texcoord = 0;  // Beside corners of the same material that have one.
+    for (std::size_t m = 0; m < has_texcoord.size(); ++m)
+      if (has_texcoord[m]) n_without_texcoord += n_without_texcoord_[m];
+    add_finding(file_.findings, "corners_without_texcoord", n_without_texcoord,
+                "corner[ has|s have] no texture coordinate; (0,1) instead");
     add_finding(file_.findings, "non_finite_attributes", n_odd_attributes_,
                 "normal[ or texture coordinate is|s or texture coordinates are] not finite; zero instead");
     if (file_.colors.empty() && vc_colors_.empty() && polypaint_.size() == n_vertices_)
@@ -371,7 +381,8 @@ class ObjScan {
   std::int64_t n_seen_[3] = {0, 0, 0};
   std::size_t n_vertices_ = 0, n_uncolored_ = 0, n_odd_attributes_ = 0, n_face_lines_ = 0,
               n_lines_and_points_ = 0;
-  std::size_t n_corners_ = 0, n_without_normal_ = 0, n_without_texcoord_ = 0;
+  std::size_t n_corners_ = 0, n_without_normal_ = 0;
+  std::vector<std::size_t> n_without_texcoord_;  // Corners of each material.
   bool has_colors_ = false, has_materials_ = false, has_usemtl_ = false;
 };
 

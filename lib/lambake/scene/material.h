@@ -67,4 +67,8 @@ inline bool has_emission(const Material& material) {
   return !(emission_of(material) == LinearRgb{0, 0, 0});
 }
 
+inline bool has_texture(const Material& material) {
+  return material.base_color_texture != no_texture || material.emission_texture != no_texture;
+}
+
 }  // namespace lambake
