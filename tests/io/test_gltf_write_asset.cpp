@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <map>
@@ -404,6 +405,58 @@ TEST(GltfAsset, MethodsThatCut_ReadAgain_ShowTheSameSurfaceAndColours) {
       const glm::dvec3 got = integral(again.mesh, again.materials, again.mesh.colors);
       EXPECT_LT(glm::length(want - got), 1e-4 * glm::length(want));
     }
+}
+
+/// Four vertices of a bent square with odd coordinates, and `offset` along x that its node takes back.
+std::string bent_square(float offset) {
+  GltfBuilder builder;
+  nlohmann::ordered_json primitive = builder.square();
+  primitive["attributes"]["POSITION"] = builder.add_floats(
+      "VEC3", 4,
+      {offset + 0.1f, 0.7f, 0, offset + 1.3f, 0.2f, 0.1f, offset, 1.9f, 0.3f, offset + 1.1f, 1.7f, 0});
+  primitive["attributes"]["TEXCOORD_0"] =
+      builder.add_floats("VEC2", 4, {100.1f, 7.3f, 101.7f, 7.9f, 100.9f, 8.1f, 101.3f, 9.7f});
+  builder.add_primitive(primitive);
+  builder.json["nodes"][0]["translation"] = {-offset, 0, 0};
+  return builder.write("bent_square");
+}
+
+TEST(GltfAsset, CutUponCut_IsRoundedOnceAsTheMeshIs) {
+  const auto result = bake_file(bent_square(0), {.method = BakeMethod::uniform, .levels = 4}, {});
+  const auto rows = [](const Mesh& mesh) {
+    std::set<std::array<float, 5>> set;
+    for (std::size_t v = 0; v < mesh.n_vertices(); ++v) {
+      const glm::vec3& p = mesh.positions[v];
+      const glm::vec2& uv = mesh.texcoords[0][v];
+      set.insert({p.x, p.y, p.z, uv.x, uv.y});
+    }
+    return set;
+  };
+  const Mesh& mesh = mesh_of(result->in.scene, result->baked);
+  EXPECT_EQ(rows(read_gltf_file(result->path, {}).scene.mesh), rows(mesh));
+  EXPECT_EQ(rows(mesh).size(), 17U * 17U);
+}
+
+TEST(GltfAsset, VerticesFarFromTheirNode_AreRoundedThere_AndSoIsTheCertificate) {
+  const auto rounding = [](float offset) {
+    return read_gltf_file(bent_square(offset), {}).scene.mesh.cut_rounding_of(1);
+  };
+  EXPECT_EQ(rounding(0), 0);           // The file has world space.
+  EXPECT_GE(rounding(1e5f), 0x1p-8f);  // Half the step of float there.
+  EXPECT_LE(rounding(1e5f), 0x1p-7f);
+  const auto certificate = [](float offset) {
+    SceneFile file = read_gltf_file(bent_square(offset), {});
+    Light& lamp = file.scene.lights.emplace_back();
+    lamp.type = LightType::point;
+    lamp.position = {0.6f, 1, 0.5f};
+    lamp.intensity = {0.1f, 0.1f, 0.1f};
+    const BakedColors baked =
+        bake(file.scene, {.method = BakeMethod::adaptive, .output = gltf_output(file, {})});
+    EXPECT_EQ(count_of(baked.findings, "triangles_open_by_position") > 0, offset > 0);
+    return baked.certificate->is_certified;
+  };
+  EXPECT_TRUE(certificate(0));
+  EXPECT_FALSE(certificate(1e5f));
 }
 
 TEST(GltfAsset, FaceColours_OfCopiesWithTheSameCuts_ShareTheirNewAttributes) {

@@ -100,5 +100,34 @@ TEST(MovedCorners, RandomPatches_NoChangeIsAboveTheBound) {
     }
 }
 
+TEST(MovedCorners, RoundingInAnyDirection_TheSteepestSlopeTimesIt) {
+  Patch patch;
+  patch.positions = {glm::dvec3(0, 0, 0), glm::dvec3(2, 0, 0), glm::dvec3(0, 1, 0)};
+  patch.colors = {glm::dvec3(0), glm::dvec3(0.6), glm::dvec3(0.4)};  // slopes 0.3 and 0.4
+  EXPECT_DOUBLE_EQ(change_by_moved_corners(patch, {}, {patch.positions, 0.1}, ErrorSpace::linear), 0.05);
+}
+
+TEST(MovedCorners, TexturesThatMoveByMoreThanGpusResolve_ChangeByThatShareOfTheirRange) {
+  Patch patch;
+  patch.positions = {glm::dvec3(0, 0, 0), glm::dvec3(2, 0, 0), glm::dvec3(0, 1, 0)};
+  patch.colors = {glm::dvec3(0.5), glm::dvec3(0.5), glm::dvec3(0.5)};
+  FinishRange finish;
+  finish.base_low = glm::dvec3(0.2), finish.emission_high = glm::dvec3(0.1);
+  TexelCorners texels{{glm::dvec2(0, 0), glm::dvec2(64, 0), glm::dvec2(0, 32)}};
+  const auto change = [&](double move, std::size_t of, bool is_nearest = false) {
+    StoredCorners stored{patch.positions};
+    stored.positions[2].x += move;
+    texels.is_nearest = is_nearest;
+    stored.texels[of] = texels;
+    return change_by_moved_corners(patch, finish, stored, ErrorSpace::linear);
+  };
+  EXPECT_EQ(change(1.0 / 8193, 0), 0);                     // 32 texels to one unit: below 1/256 of one
+  EXPECT_DOUBLE_EQ(change(1.0 / 64, 0), 0.5 * 0.8 * 0.5);  // half a texel, of 0.2 to 1, lit with 0.5
+  EXPECT_DOUBLE_EQ(change(1.0 / 64, 1), 0.5 * 0.1);        // of the emission
+  EXPECT_DOUBLE_EQ(change(1.0 / 64, 0, true), 0.8 * 0.5);  // across the edge of a texel
+  texels.rounding = {0, 0.25};                             // coordinates far out
+  EXPECT_DOUBLE_EQ(change(0, 0), 0.25 * 0.8 * 0.5);
+}
+
 }  // namespace
 }  // namespace lambake

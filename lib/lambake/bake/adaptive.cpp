@@ -195,9 +195,10 @@ class AdaptiveBake {
                   "triangle[ is|s are] touched by a light, so that the error there has no bound");
     add_finding(findings, "open_triangles", n_open - n_unbounded,
                 "triangle[ is|s are] not certified to be within the tolerance");
-    add_finding(findings, "triangles_open_by_position", n_moved(),
-                "of them ha[s|ve] corners that cuts made and that float rounds too far for [it|them]: "
-                "[it is a sliver|they are slivers], or the model is far from the origin");
+    add_finding(
+        findings, "triangles_open_by_position", n_moved(),
+        "of them ha[s|ve] corners that cuts made and that float rounds too far for [it|them]: "
+        "[it is a sliver|they are slivers], or the model or its texture coordinates are far from the origin");
     add_finding(
         findings, "triangles_without_direction", n_without_direction(),
         "of them ha[s|ve] normals that cancel inside or at a corner: light per pixel has no direction there "

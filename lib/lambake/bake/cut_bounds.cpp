@@ -80,9 +80,12 @@ double CutBounds::change_by_rounding(std::uint32_t triangle, const Patch& patch,
   const glm::uvec3& t = cut_.mesh().triangles[triangle];
   const auto stored = [&](int c) { return glm::dvec3(cut_.mesh().positions[t[c]]); };
   const bool is_cut = std::max({t[0], t[1], t[2]}) >= cut_.n_uncut_vertices();
-  const double rounding = is_cut ? scene_.mesh.cut_rounding_of(cut_.parent_triangles()[triangle]) : 0;
-  return change_by_moved_corners(patch, finish, {{stored(0), stored(1), stored(2)}, rounding},
-                                 options_.tolerance_space);
+  StoredCorners corners{.positions = {stored(0), stored(1), stored(2)}};
+  if (is_cut) {
+    corners.rounding = scene_.mesh.cut_rounding_of(cut_.parent_triangles()[triangle]);
+    corners.texels = finishes_.texel_corners(cut_.mesh(), triangle);
+  }
+  return change_by_moved_corners(patch, finish, corners, options_.tolerance_space);
 }
 
 bool CutBounds::is_rounded_too_far(std::uint32_t triangle, double level) const {

@@ -35,7 +35,10 @@ ComparedSurface::ComparedSurface(const Scene& scene, const BakedColors& baked)
   };
   check_colors(scene, baked, "measure");
   check("vertex normals", mesh_.normals.size(), mesh_.n_vertices());
-  if (!baked.cuts.empty()) check("vertices before the cuts", n_uncut_, scene.mesh.n_vertices());
+  if (!baked.cuts.empty()) {
+    check("vertices before the cuts", n_uncut_, scene.mesh.n_vertices());
+    check("parent triangles", parents_.size(), mesh_.n_triangles());
+  }
 
   const auto interpolate = [&](const auto& stored, std::vector<glm::dvec3>& made) {
     made.reserve(baked.cuts.size());
@@ -51,9 +54,13 @@ ComparedSurface::ComparedSurface(const Scene& scene, const BakedColors& baked)
 StoredCorners ComparedSurface::stored_corners(std::size_t triangle) const {
   const glm::uvec3& t = mesh_.triangles[triangle];
   const bool is_cut = std::max({t[0], t[1], t[2]}) >= n_uncut_;
-  return {{glm::dvec3(mesh_.positions[t[0]]), glm::dvec3(mesh_.positions[t[1]]),
-           glm::dvec3(mesh_.positions[t[2]])},
-          is_cut ? scene_.mesh.cut_rounding_of(parents_[triangle]) : 0};
+  StoredCorners corners;
+  for (int c = 0; c < 3; ++c) corners.positions[c] = mesh_.positions[t[c]];
+  if (is_cut) {
+    corners.rounding = scene_.mesh.cut_rounding_of(parents_[triangle]);
+    corners.texels = finishes_.texel_corners(mesh_, triangle);
+  }
+  return corners;
 }
 
 Patch ComparedSurface::patch(std::size_t triangle) const {

@@ -77,6 +77,31 @@ Finish Finishes::at(const Mesh& mesh, std::size_t triangle, const glm::dvec3& b)
   return finish;
 }
 
+std::array<TexelCorners, 2> Finishes::texel_corners(const Mesh& mesh, std::size_t triangle) const {
+  const Material& m = scene_.materials[mesh.material_of(triangle)];
+  std::array<TexelCorners, 2> result;
+  for (std::size_t i = 0; i < 2; ++i) {
+    const std::uint32_t texture = i == 0 ? m.base_color_texture : m.emission_texture;
+    if (texture == no_texture) continue;
+    const Texture& t = scene_.textures[texture];
+    const std::vector<glm::vec2>& texcoords = mesh.texcoords[static_cast<std::size_t>(t.texcoord_set)];
+    if (texcoords.empty()) continue;
+    const Image& image = scene_.images[t.image];
+    const glm::dvec2 size(image.width, image.height);
+    const glm::dmat3 transform(t.transform);
+    result[i].is_nearest = t.filter == TextureFilter::nearest;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const glm::dvec2 uv(texcoords[mesh.triangles[triangle][static_cast<int>(c)]]);
+      result[i].at[c] = size * glm::dvec2(transform * glm::dvec3(uv, 1));
+      const glm::dvec2 off = 0x1p-24 * size *
+                             (glm::abs(glm::dvec2(transform[0])) * std::abs(uv.x) +
+                              glm::abs(glm::dvec2(transform[1])) * std::abs(uv.y));
+      result[i].rounding = glm::max(result[i].rounding, off);
+    }
+  }
+  return result;
+}
+
 TexelRange Finishes::texels_over(std::uint32_t texture, const Mesh& mesh, std::size_t triangle) const {
   const Texture& t = scene_.textures[texture];
   const std::vector<glm::vec2>& texcoords = mesh.texcoords[static_cast<std::size_t>(t.texcoord_set)];

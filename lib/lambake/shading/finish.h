@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -19,6 +21,13 @@ struct TexelRange {
   glm::dvec3 low{1.0}, high{1.0};
 };
 
+/// Where the corners of a triangle read a texture, in texels; all 0 where there is none.
+struct TexelCorners {
+  std::array<glm::dvec2, 3> at{};
+  glm::dvec2 rounding{0.0};  ///< How far off float coordinates of a corner may be.
+  bool is_nearest = false;
+};
+
 /// Base colours, emissions and textures of a scene's materials, on any mesh that uses them. The scene must
 /// outlive it.
 class Finishes {
@@ -27,6 +36,8 @@ class Finishes {
   Finish at(const Mesh& mesh, std::size_t triangle, const glm::dvec3& b) const;
   /// All values that at() has on the triangle lie between these.
   FinishRange over(const Mesh& mesh, std::size_t triangle) const;
+  /// Of the base colour and of the emission.
+  std::array<TexelCorners, 2> texel_corners(const Mesh& mesh, std::size_t triangle) const;
   /// Whether at() varies over the triangle.
   bool has_texture(const Mesh& mesh, std::size_t triangle) const;
 

@@ -4,9 +4,34 @@
 
 namespace lambake {
 
+namespace {
+
+/// The step in which GPUs weigh texels: eight bits (Direct3D 11 asks for as many).
+constexpr double least_shift = 1.0 / 256;
+
+/// The share of the range of a texture's values by which a look-up changes.
+/// @param slopes  gradients of the barycentrics of corners 1 and 2.
+double texel_change(const TexelCorners& texels, const Patch& patch, const StoredCorners& stored,
+                    const std::array<glm::dvec3, 2>& slopes) {
+  const glm::dvec2 t1 = texels.at[1] - texels.at[0], t2 = texels.at[2] - texels.at[0];
+  glm::dvec2 shift(0);
+  for (int k = 0; k < 3; ++k) {
+    const glm::dvec3 move = stored.positions[k] - patch.positions[k];
+    shift = glm::max(shift, glm::abs(t1 * glm::dot(move, slopes[0]) + t2 * glm::dot(move, slopes[1])));
+  }
+  for (int axis = 0; axis < 2; ++axis)
+    shift[axis] += stored.rounding * glm::length(t1[axis] * slopes[0] + t2[axis] * slopes[1]);
+  shift += texels.rounding;
+  if (std::max(shift.x, shift.y) <= least_shift) return 0;
+  return texels.is_nearest ? 1 : std::min(shift.x + shift.y, 1.0);
+}
+
+}  // namespace
+
 double change_by_moved_corners(const Patch& patch, const FinishRange& finish, const StoredCorners& stored,
                                ErrorSpace space) {
-  if (stored.positions == patch.positions && stored.rounding == 0) return 0;
+  const bool has_texels = stored.texels[0].rounding + stored.texels[1].rounding != glm::dvec2(0);
+  if (stored.positions == patch.positions && stored.rounding == 0 && !has_texels) return 0;
   const glm::dvec3 e1 = patch.positions[1] - patch.positions[0], e2 = patch.positions[2] - patch.positions[0];
   const glm::dvec3 normal = glm::cross(e1, e2);
   const double square = glm::dot(normal, normal);
@@ -22,11 +47,17 @@ double change_by_moved_corners(const Patch& patch, const FinishRange& finish, co
       most[c] = std::max(most[c], std::abs(glm::dot(stored.positions[k] - patch.positions[k], gradient)));
     most[c] += stored.rounding * glm::length(gradient);
   }
+  const double base_change = texel_change(stored.texels[0], patch, stored, {slope1, slope2}),
+               emission_change = texel_change(stored.texels[1], patch, stored, {slope1, slope2});
   double change = 0;
   for (int c = 0; c < 3; ++c) {
-    const double linear = finish.base_high[c] * most[c];
+    const auto [darkest, brightest] =
+        std::minmax({patch.colors[0][c], patch.colors[1][c], patch.colors[2][c]});
+    const double linear =
+        finish.base_high[c] * most[c] +
+        base_change * (finish.base_high[c] - finish.base_low[c]) * std::max(brightest, 0.0) +
+        emission_change * (finish.emission_high[c] - finish.emission_low[c]);
     // The encoding is concave: a change shows most where it begins at the darkest.
-    const double darkest = std::min({patch.colors[0][c], patch.colors[1][c], patch.colors[2][c]});
     const double low = std::max(0.0, finish.base_low[c] * darkest + finish.emission_low[c] - linear);
     change = std::max(
         change, space == ErrorSpace::linear ? linear : compared(low + linear, space) - compared(low, space));

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <glm/glm.hpp>
 
 #include "lambake/core/color.h"
@@ -11,15 +12,17 @@ namespace lambake {
 
 /// Where an output has the corners of a patch.
 struct StoredCorners {
-  glm::dmat3 positions;  ///< As columns.
-  double rounding = 0;   ///< Each may be this far off in any direction.
+  glm::dmat3 positions;                  ///< As columns.
+  double rounding = 0;                   ///< Each may be this far off in any direction.
+  std::array<TexelCorners, 2> texels{};  ///< Of the base colour and of the emission, if the corners moved.
 };
 
 /// How much an interpolated colour changes, as compared, where the corners of its patch are stored elsewhere:
 /// the vertices that cuts make are rounded to float.
 ///
 /// An upper bound over the patch and its channels, for places in the plane of the patch; what leaves the
-/// plane is a change of the surface and not of its light. 0 for a patch without area.
+/// plane is a change of the surface and not of its light. Textures move with the corners; up to 1/256 of a
+/// texel, the step in which GPUs weigh texels, that is no change. 0 for a patch without area.
 double change_by_moved_corners(const Patch& patch, const FinishRange& finish, const StoredCorners& stored,
                                ErrorSpace space);
 
