@@ -30,6 +30,7 @@ CutMesh::CutMesh(const Mesh& mesh) : mesh_(mesh), n_uncut_(mesh.n_vertices()) {
   parents_.resize(mesh.n_triangles());
   std::iota(parents_.begin(), parents_.end(), 0U);
   if (mesh_.source_faces.empty()) mesh_.source_faces = parents_;  // children have the face of their parent
+  mesh_.cut_roundings.clear();                                    // they are of the parents
   positions_.assign(mesh.positions.begin(), mesh.positions.end());
   normals_.assign(mesh.normals.begin(), mesh.normals.end());
   for (const LinearRgb& c : mesh.colors) albedos_.emplace_back(c.r, c.g, c.b);
