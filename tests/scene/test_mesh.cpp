@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <functional>
 #include <string>
 #include <vector>
@@ -30,6 +31,7 @@ TEST(CheckMesh, ATriangleWithAndWithoutAttributes_IsSound) {
   mesh.normal_groups.resize(3);
   mesh.materials.resize(1);
   mesh.source_faces.resize(1);
+  mesh.cut_roundings = {{1, 0.5}};
   EXPECT_NO_THROW(check_mesh(mesh, 1));
   EXPECT_NO_THROW(check_mesh({}, 1));
 }
@@ -54,6 +56,22 @@ TEST(CheckMesh, AnArrayOfAnotherLength_IsRefusedByName) {
     } catch (const InvalidScene& error) {
       EXPECT_NE(std::string(error.what()).find(name + ": expected"), std::string::npos) << error.what();
     }
+  }
+}
+
+TEST(CheckMesh, CutRoundings_AreOfAllTrianglesInOrder) {
+  Mesh mesh = triangle();
+  mesh.triangles.resize(3, mesh.triangles[0]);
+  mesh.cut_roundings = {{1, 0}, {3, 1e-7}};
+  EXPECT_NO_THROW(check_mesh(mesh, 1));
+  EXPECT_EQ(mesh.cut_rounding_of(0), 0);
+  EXPECT_EQ(mesh.cut_rounding_of(1), 1e-7);
+  EXPECT_EQ(mesh.cut_rounding_of(2), 1e-7);
+  const std::vector<std::vector<CutRounding>> broken = {
+      {{2, 0}}, {{4, 0}}, {{2, 0}, {2, 0}, {3, 0}}, {{3, -1}}, {{3, std::nan("")}}};
+  for (const std::vector<CutRounding>& roundings : broken) {
+    mesh.cut_roundings = roundings;
+    EXPECT_THROW(check_mesh(mesh, 1), InvalidScene);
   }
 }
 

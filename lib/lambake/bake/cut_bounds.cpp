@@ -77,14 +77,8 @@ double CutBounds::bound_of(std::uint32_t triangle, BoundOptions how,
 /// What the colours of a triangle change because its corners are stored as float.
 double CutBounds::change_by_rounding(std::uint32_t triangle, const Patch& patch,
                                      const FinishRange& finish) const {
-  const glm::uvec3& t = cut_.mesh().triangles[triangle];
-  const auto stored = [&](int c) { return glm::dvec3(cut_.mesh().positions[t[c]]); };
-  const bool is_cut = std::max({t[0], t[1], t[2]}) >= cut_.n_uncut_vertices();
-  StoredCorners corners{.positions = {stored(0), stored(1), stored(2)}};
-  if (is_cut) {
-    corners.rounding = scene_.mesh.cut_rounding_of(cut_.parent_triangles()[triangle]);
-    corners.texels = finishes_.texel_corners(cut_.mesh(), triangle);
-  }
+  const StoredCorners corners = stored_corners(cut_.mesh(), triangle, finishes_, scene_.mesh,
+                                               cut_.n_uncut_vertices(), cut_.parent_triangles()[triangle]);
   return change_by_moved_corners(patch, finish, corners, options_.tolerance_space);
 }
 

@@ -116,6 +116,14 @@ glm::vec3 unit_or_zero(const glm::dvec3& v) {
   return length > 0 && std::isfinite(length) ? glm::vec3(v / length) : glm::vec3(0);
 }
 
+/// How far from its place rounding to float puts what is made between vertices no larger than this one: in
+/// the coordinates of the file, and as the ends were rounded when they were placed.
+double rounding_between(const glm::dmat3& m, const glm::dvec3& position, const glm::dvec3& placed) {
+  const glm::dvec3 p = glm::abs(position),
+                   spread = glm::abs(m[0]) * p.x + glm::abs(m[1]) * p.y + glm::abs(m[2]) * p.z;
+  return 0x1p-24 * glm::length(spread + glm::abs(placed));
+}
+
 }  // namespace
 
 bool has_triangles(const tinygltf::Primitive& primitive) {
@@ -203,14 +211,6 @@ VertexSelection VertexSelector::select(std::vector<glm::uvec3>& triangles, std::
   for (const std::uint32_t v : used) number_of_[v] = none;
   if (!is_few()) used = {};
   return {.n_accessor = n_vertices, .selected = std::move(used)};
-}
-
-/// How far from its place rounding to float puts what is made between vertices no larger than this one: in
-/// the coordinates of the file, and as the ends were rounded when they were placed.
-double rounding_between(const glm::dmat3& m, const glm::dvec3& position, const glm::dvec3& placed) {
-  const glm::dvec3 p = glm::abs(position),
-                   spread = glm::abs(m[0]) * p.x + glm::abs(m[1]) * p.y + glm::abs(m[2]) * p.z;
-  return 0x1p-24 * glm::length(spread + glm::abs(placed));
 }
 
 WorldVertices read_vertices(const GltfAsset& asset, std::size_t node_index,

@@ -187,7 +187,7 @@ class SceneReader {
     append(mesh.triangles, std::move(triangles));
     if (is_flat) shade_flat(placed);
     placed.triangle_end = static_cast<std::uint32_t>(mesh.n_triangles());
-    mesh.cut_roundings.push_back({placed.triangle_end, static_cast<float>(vertices.cut_rounding)});
+    mesh.cut_roundings.push_back({placed.triangle_end, vertices.cut_rounding});
     asset_.placed.push_back(std::move(placed));
   }
 

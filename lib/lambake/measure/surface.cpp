@@ -37,8 +37,9 @@ ComparedSurface::ComparedSurface(const Scene& scene, const BakedColors& baked)
   check("vertex normals", mesh_.normals.size(), mesh_.n_vertices());
   if (!baked.cuts.empty()) {
     check("vertices before the cuts", n_uncut_, scene.mesh.n_vertices());
-    check("parent triangles", parents_.size(), mesh_.n_triangles());
   }
+  if (!baked.cuts.empty() || !parents_.empty())
+    check("parent triangles", parents_.size(), mesh_.n_triangles());
 
   const auto interpolate = [&](const auto& stored, std::vector<glm::dvec3>& made) {
     made.reserve(baked.cuts.size());
@@ -52,15 +53,8 @@ ComparedSurface::ComparedSurface(const Scene& scene, const BakedColors& baked)
 }
 
 StoredCorners ComparedSurface::stored_corners(std::size_t triangle) const {
-  const glm::uvec3& t = mesh_.triangles[triangle];
-  const bool is_cut = std::max({t[0], t[1], t[2]}) >= n_uncut_;
-  StoredCorners corners;
-  for (int c = 0; c < 3; ++c) corners.positions[c] = mesh_.positions[t[c]];
-  if (is_cut) {
-    corners.rounding = scene_.mesh.cut_rounding_of(parents_[triangle]);
-    corners.texels = finishes_.texel_corners(mesh_, triangle);
-  }
-  return corners;
+  return lambake::stored_corners(mesh_, triangle, finishes_, scene_.mesh, n_uncut_,
+                                 parents_.empty() ? triangle : parents_[triangle]);
 }
 
 Patch ComparedSurface::patch(std::size_t triangle) const {

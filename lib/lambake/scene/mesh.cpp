@@ -49,7 +49,7 @@ std::vector<bool> used_materials(const Mesh& mesh, std::size_t n_materials) {
   return is_used;
 }
 
-float Mesh::cut_rounding_of(std::size_t triangle) const {
+double Mesh::cut_rounding_of(std::size_t triangle) const {
   const auto found =
       std::upper_bound(cut_roundings.begin(), cut_roundings.end(), triangle,
                        [](std::size_t t, const CutRounding& rounding) { return t < rounding.triangle_end; });
@@ -76,6 +76,18 @@ void check_mesh(const Mesh& mesh, std::size_t n_materials) {
   check_length("normal_groups", mesh.normal_groups.size(), n_vertices);
   check_length("materials", mesh.materials.size(), n_triangles);
   check_length("source_faces", mesh.source_faces.size(), n_triangles);
+  std::size_t end = 0;
+  for (const CutRounding& rounding : mesh.cut_roundings) {
+    if (rounding.triangle_end <= end || rounding.triangle_end > n_triangles || !(rounding.distance >= 0))
+      throw InvalidScene(
+          fmt::format("mesh: cut_roundings: expected an end above {} and at most {} and a distance of at "
+                      "least 0, found {} and {}",
+                      end, n_triangles, rounding.triangle_end, rounding.distance));
+    end = rounding.triangle_end;
+  }
+  if (!mesh.cut_roundings.empty() && end != n_triangles)
+    throw InvalidScene(
+        fmt::format("mesh: cut_roundings: expected the last to end at {}, found {}", n_triangles, end));
   for (std::size_t f = 0; f < n_triangles; ++f) {
     const glm::uvec3& t = mesh.triangles[f];
     for (int corner = 0; corner < 3; ++corner)

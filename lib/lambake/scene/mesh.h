@@ -14,7 +14,7 @@ namespace lambake {
 /// in other coordinates than those of the mesh.
 struct CutRounding {
   std::uint32_t triangle_end = 0;  ///< From the end of the one before to here.
-  float distance = 0;
+  double distance = 0;
 };
 
 /// A triangle mesh as plain arrays, in world space. V vertices, F triangles.
@@ -52,7 +52,8 @@ struct Mesh {
   std::uint32_t source_face_of(std::size_t f) const {
     return source_faces.empty() ? static_cast<std::uint32_t>(f) : source_faces[f];
   }
-  float cut_rounding_of(std::size_t triangle) const;
+  /// CutRounding::distance of a triangle.
+  double cut_rounding_of(std::size_t triangle) const;
 };
 
 /// Appends to every per-vertex array of `mesh` a copy of vertex `v`; returns the copy's index.
@@ -69,8 +70,9 @@ std::vector<std::uint32_t> vertex_materials(const Mesh& mesh);
 /// For each of `n_materials` whether a triangle is of it.
 std::vector<bool> used_materials(const Mesh& mesh, std::size_t n_materials);
 
-/// @throws InvalidScene if an array has not the length that its comment gives, an index is out of range, or
-/// there are more than 2^31 vertices or a third of 2^32 triangles, whose corners 32 bits could not number.
+/// @throws InvalidScene if an array has not the length that its comment gives, an index is out of range,
+/// `cut_roundings` are not of all triangles in ascending order, or there are more than 2^31 vertices or a
+/// third of 2^32 triangles, whose corners 32 bits could not number.
 void check_mesh(const Mesh& mesh, std::size_t n_materials);
 
 }  // namespace lambake

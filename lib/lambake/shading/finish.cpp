@@ -52,8 +52,7 @@ Finishes::Finishes(const Scene& scene) : scene_(scene) {
 }
 
 bool Finishes::has_texture(const Mesh& mesh, std::size_t triangle) const {
-  const Material& m = scene_.materials[mesh.material_of(triangle)];
-  return m.base_color_texture != no_texture || m.emission_texture != no_texture;
+  return lambake::has_texture(scene_.materials[mesh.material_of(triangle)]);
 }
 
 glm::dvec3 Finishes::texel_at(std::uint32_t texture, const Mesh& mesh, std::size_t triangle,

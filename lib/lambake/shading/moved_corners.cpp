@@ -28,6 +28,18 @@ double texel_change(const TexelCorners& texels, const Patch& patch, const Stored
 
 }  // namespace
 
+StoredCorners stored_corners(const Mesh& mesh, std::size_t triangle, const Finishes& finishes,
+                             const Mesh& uncut, std::size_t n_uncut, std::size_t parent) {
+  const glm::uvec3& t = mesh.triangles[triangle];
+  StoredCorners corners;
+  for (int c = 0; c < 3; ++c) corners.positions[c] = mesh.positions[t[c]];
+  if (std::max({t[0], t[1], t[2]}) >= n_uncut) {
+    corners.rounding = uncut.cut_rounding_of(parent);
+    corners.texels = finishes.texel_corners(mesh, triangle);
+  }
+  return corners;
+}
+
 double change_by_moved_corners(const Patch& patch, const FinishRange& finish, const StoredCorners& stored,
                                ErrorSpace space) {
   const bool has_texels = stored.texels[0].rounding + stored.texels[1].rounding != glm::dvec2(0);

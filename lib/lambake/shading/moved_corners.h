@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <glm/glm.hpp>
 
 #include "lambake/core/color.h"
+#include "lambake/scene/mesh.h"
 #include "lambake/shading/finish.h"
 #include "lambake/shading/patch.h"
 
@@ -16,6 +18,12 @@ struct StoredCorners {
   double rounding = 0;                   ///< Each may be this far off in any direction.
   std::array<TexelCorners, 2> texels{};  ///< Of the base colour and of the emission, if the corners moved.
 };
+
+/// The corners of a triangle as `mesh`, which may be cut, has them in float.
+/// @param uncut  the mesh before the cuts. @param n_uncut  vertices of `mesh` that no cut made.
+/// @param parent  the triangle of `uncut` that this one lies in.
+StoredCorners stored_corners(const Mesh& mesh, std::size_t triangle, const Finishes& finishes,
+                             const Mesh& uncut, std::size_t n_uncut, std::size_t parent);
 
 /// How much an interpolated colour changes, as compared, where the corners of its patch are stored elsewhere:
 /// the vertices that cuts make are rounded to float.
