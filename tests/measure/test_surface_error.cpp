@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "lambake/core/parallel.h"
 #include "lambake/measure/bound.h"
@@ -164,6 +165,25 @@ TEST(SurfaceError, QuadUnderALamp_MissesTheMiddleByTheClosedForm) {
     EXPECT_NEAR(error.max_sampled, missing, 1e-6 * missing) << "h = " << h;
     ASSERT_FALSE(error.worst.empty());
     EXPECT_NEAR(glm::length(error.worst[0].position), 0, 1e-3);
+  }
+}
+
+// As lit places get small between vertices that get next to no light, the square of the error integrates to
+// that of the light: π/(2h²) for a lamp at height h; to the order of α² for a spot of half angle α at height
+// 1, whose light is ((α² − θ²)/s)² with s = max(0.002, α²): π α¹⁰/(5 s⁴).
+TEST(SurfaceError, SmallLitPlacesInALargeTriangle_IntegrateToTheClosedForm) {
+  for (const float size : {0.1f, 0.02f, 0.005f, 0.001f}) {
+    SCOPED_TRACE(size);
+    const auto rmse = [&](const Light& light) {
+      const Scene scene = scene_of(grid(1, 1), {light});
+      return surface_error(scene, bake(scene, {}), ErrorSpace::linear).rmse;
+    };
+    constexpr double pi = std::numbers::pi;
+    const double of_lamp = std::sqrt(pi / (2 * size * size) / 4);
+    EXPECT_NEAR(rmse(lamp({0.3f, size, 0.1f})), of_lamp, (0.002 + size) * of_lamp);
+    const double s = std::max(0.002, double(size) * size);
+    const double of_spot = std::sqrt(pi * std::pow(size, 10) / (5 * std::pow(s, 4)) / 4);
+    EXPECT_NEAR(rmse(spot({0.3f, 1, 0.1f}, {0, -1, 0}, 0, size)), of_spot, (0.002 + size * size) * of_spot);
   }
 }
 

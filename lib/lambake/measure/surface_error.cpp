@@ -12,6 +12,7 @@
 #include "lambake/core/error.h"
 #include "lambake/core/parallel.h"
 #include "lambake/core/quadrature.h"
+#include "lambake/geometry/triangle_distance.h"
 #include "lambake/measure/surface.h"
 
 namespace lambake {
@@ -93,15 +94,30 @@ class TriangleError {
   }
 
   /// The triangle cut along the terminators of its lights (their chords, where they are curves), as long as
-  /// that makes few parts: there the error has its kinks.
+  /// that makes few parts: there the error has its kinks. Then quartered where a light is much nearer than a
+  /// part is wide, or its cone much narrower: what it lights must not fall between the places looked at.
   std::vector<glm::dmat3> parts() const {
-    constexpr std::size_t max_parts = 8;
+    constexpr std::size_t max_parts = 8, max_quarters = 512;
+    constexpr int max_depth = 14;
     std::vector<glm::dmat3> parts{glm::dmat3(1.0)}, next;
     for (const std::uint32_t light : lights_) {
       next.clear();
       for (const glm::dmat3& part : parts)
         cut_at_terminator(surface_.scene().lights[light], patch_, part, next);
       if (next.size() > max_parts) break;
+      parts.swap(next);
+    }
+    std::size_t begin = 0;  // Of those that were made last.
+    for (int depth = 0; depth < max_depth && begin < parts.size() && parts.size() < max_quarters; ++depth) {
+      next.assign(parts.begin(), parts.begin() + static_cast<std::ptrdiff_t>(begin));
+      std::vector<glm::dmat3> made;
+      for (std::size_t i = begin; i < parts.size(); ++i)
+        if (is_wide(parts[i]))
+          for (const glm::dmat3& quarter : quarters(parts[i])) made.push_back(quarter);
+        else
+          next.push_back(parts[i]);
+      begin = next.size();
+      next.insert(next.end(), made.begin(), made.end());
       parts.swap(next);
     }
     return parts;
@@ -127,6 +143,29 @@ class TriangleError {
   }
 
  private:
+  /// Whether a part is wider than four times what a light has lit of it at the least.
+  bool is_wide(const glm::dmat3& part) const {
+    const glm::dmat3 p = patch_.positions * part;
+    const glm::dvec3 center = (p[0] + p[1] + p[2]) / 3.0;
+    const double width =
+        std::max({glm::length(p[1] - p[0]), glm::length(p[2] - p[1]), glm::length(p[0] - p[2])});
+    return std::any_of(lights_.begin(), lights_.end(), [&](std::uint32_t i) {
+      const Light& light = surface_.scene().lights[i];
+      if (light.type == LightType::directional) return false;
+      const glm::dvec3 at(light.position), to_center = center - at;
+      double slope = 1;
+      if (light.type == LightType::spot) {
+        slope = std::tan(std::min(double(light.outer_cone_rad), 1.57));
+        const glm::dvec3 axis(light.spot_direction);
+        const double along = glm::dot(to_center, axis), off = glm::length(to_center - along * axis);
+        if (off - width > std::max(0.0, along + width) * slope) return false;  // The cone misses it.
+        slope = std::min(slope, 1.0);
+      }
+      if (width <= 4 * slope * (glm::length(to_center) - width)) return false;  // Far away.
+      return width > 4 * slope * distance_from_origin(p[0] - at, p[1] - at, p[2] - at);
+    });
+  }
+
   const ComparedSurface& surface_;
   std::size_t triangle_;
   std::span<const Measure> measures_;
