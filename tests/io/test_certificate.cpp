@@ -6,8 +6,8 @@
 #include <cmath>
 #include <filesystem>
 
-#include "io/glb_reader.h"
-#include "io/gltf_files.h"
+#include "io/gltf/files.h"
+#include "io/gltf/glb_reader.h"
 #include "lambake/bake/bake.h"
 #include "lambake/io/gltf.h"
 #include "lambake/io/ply_write.h"
