@@ -40,7 +40,7 @@ int bake_and_write(const BakeCommand& command) {
   for (const std::string& path : command.outputs) check_baked_path(path, command.output);
   check_distinct(command.outputs);
   const BakeOptions how = bake_options(command.method, console);
-  LoadedScene loaded = load_scene(command.scene, console, stopwatch);
+  LoadedScene loaded = load_scene(command.scene, console, stopwatch, command.method.method == "face");
   for (const std::string& path : command.outputs) check_levels(command.method, path, loaded.file);
   console.stage("baking");
   const BakedScene result = bake_scene(loaded.file.scene, command.method, how, console,

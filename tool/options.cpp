@@ -141,7 +141,7 @@ void apply_exposure(float stops, Scene& scene) {
   for (Material& material : scene.materials) material.emission = material.emission * scale;
 }
 
-void make_normals(const SceneOptions& options, LoadedScene& loaded) {
+void make_normals(const SceneOptions& options, bool is_flat, LoadedScene& loaded) {
   Mesh& mesh = loaded.file.scene.mesh;
   Findings& findings = loaded.file.findings;
   std::string method = options.normals;
@@ -173,6 +173,11 @@ void make_normals(const SceneOptions& options, LoadedScene& loaded) {
   add_finding(findings, "vertices_without_direction", made.undefined,
               "vert[ex has|ices have] no normal ([its|their] faces have no area or cancel); [it gets|they "
               "get] no light");
+  if (options.normals == "auto" && !options.crease_angle_deg && !is_flat)
+    add_finding(findings, "smoothed_faces", count_smoothed_faces(mesh),
+                "face[ leans|s lean] more than 40 degrees from the normals at [its|their] corners: sharp "
+                "edges are lit "
+                "as if they were round (--crease-angle-deg 30 keeps them sharp)");
 }
 
 double parse_number(const std::string& option, std::string_view text) {
@@ -273,7 +278,7 @@ void add_camera_options(CLI::App& command, CameraOptions& options) {
   command.add_option("--size", options.size, "picture size WIDTHxHEIGHT")->capture_default_str();
 }
 
-LoadedScene load_scene(const SceneOptions& options, Console& console, Stopwatch& stopwatch) {
+LoadedScene load_scene(const SceneOptions& options, Console& console, Stopwatch& stopwatch, bool is_flat) {
   set_thread_count(options.threads);
   LoadedScene loaded;
   std::vector<std::string> notes;  // Told once nothing can fail any more.
@@ -287,7 +292,7 @@ LoadedScene load_scene(const SceneOptions& options, Console& console, Stopwatch&
   apply_albedo(options.albedo, loaded.file);
   fold_base_colors(loaded.file);
   apply_exposure(options.exposure_stops, loaded.file.scene);
-  make_normals(options, loaded);
+  make_normals(options, is_flat, loaded);
   stopwatch.lap("normals");
   const Scene& scene = loaded.file.scene;
   std::size_t n_lit = 0;

@@ -51,7 +51,9 @@ struct LoadedScene {
 };
 
 /// Laps "read" and "normals" on the stopwatch; notes and findings are told on the console.
-LoadedScene load_scene(const SceneOptions& options, Console& console, Stopwatch& stopwatch);
+/// @param is_flat  faces are lit by their own normals: what vertex normals smooth does not show.
+LoadedScene load_scene(const SceneOptions& options, Console& console, Stopwatch& stopwatch,
+                       bool is_flat = false);
 
 /// The size of the picture, at least 1 and at most max_picture_side a side. @throws InvalidOption.
 glm::uvec2 picture_size(const CameraOptions& options);

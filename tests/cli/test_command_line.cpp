@@ -76,23 +76,43 @@ TEST(CommandLine, NamesWithLineEndsAndEscapes_AreToldOnOneLine) {
 TEST(CommandLine, OptionsThatTheMethodDoesNotHeed_AreTold) {
   const ScratchFolder folder("unheeded");
   write_octahedron(folder / "in.off");
-  EXPECT_EQ(run_tool(folder, "bake in.off --sun 0,0,1 --levels 2 --tolerance 0.1 -o a.glb").err,
-            "lambake: --tolerance says nothing to --method sample; it is for adaptive and auto\n"
-            "lambake: --levels says nothing to --method sample; it is for uniform\n");
-  EXPECT_EQ(run_tool(folder, "bake in.off --sun 0,0,1 --method uniform --levels 2 -o a.glb").err, "");
   EXPECT_EQ(
-      run_tool(folder, "bake in.off --sun 0,0,1 --method average --light-tolerance 0 -o a.glb").err,
+      run_tool(folder, "bake in.off --normals angle --sun 0,0,1 --levels 2 --tolerance 0.1 -o a.glb").err,
+      "lambake: --tolerance says nothing to --method sample; it is for adaptive and auto\n"
+      "lambake: --levels says nothing to --method sample; it is for uniform\n");
+  EXPECT_EQ(
+      run_tool(folder, "bake in.off --normals angle --sun 0,0,1 --method uniform --levels 2 -o a.glb").err,
+      "");
+  EXPECT_EQ(
+      run_tool(folder,
+               "bake in.off --normals angle --sun 0,0,1 --method average --light-tolerance 0 -o a.glb")
+          .err,
       "lambake: --light-tolerance says nothing to --method average; it is for sample and face and uniform "
       "and auto\n");
-  EXPECT_EQ(run_tool(folder, "bake in.off --sun 0,0,1 --scene 1 -o a.glb").err,
+  EXPECT_EQ(run_tool(folder, "bake in.off --normals angle --sun 0,0,1 --scene 1 -o a.glb").err,
             "lambake: --scene says nothing to OFF; it is for glTF\n");
+}
+
+TEST(CommandLine, SharpEdgesThatAreSmoothed_AreTold_UnlessThatIsAskedForOrDoesNotShow) {
+  const ScratchFolder folder("smoothed");
+  write_octahedron(folder / "in.off");
+  const auto is_told = [&](const std::string& arguments) {
+    return run_tool(folder, arguments).err.find("8 faces lean more than 40 degrees") != std::string::npos;
+  };
+  EXPECT_TRUE(is_told("bake in.off -o a.glb"));
+  EXPECT_TRUE(is_told("render in.off -o a.png --size 8x8"));
+  EXPECT_FALSE(is_told("bake in.off --crease-angle-deg 30 -o a.glb"));
+  EXPECT_FALSE(is_told("bake in.off --normals angle -o a.glb"));
+  EXPECT_FALSE(is_told("bake in.off --method face -o a.glb"));
+  EXPECT_FALSE(is_told("render in.off --shading face -o a.png --size 8x8"));
 }
 
 TEST(CommandLine, LevelsThatNoGlbCanHold_AreRefusedBeforeTheCutting) {
   const ScratchFolder folder("levels");
   write_octahedron(folder / "in.off");
-  for (const char* arguments : {"bake in.off --sun 0,0,1 --method uniform --levels 13 -o a.ply -o a.glb",
-                                "compare in.off --sun 0,0,1 --method uniform --levels 13 -o compared"}) {
+  for (const char* arguments :
+       {"bake in.off --normals angle --sun 0,0,1 --method uniform --levels 13 -o a.ply -o a.glb",
+        "compare in.off --normals angle --sun 0,0,1 --method uniform --levels 13 -o compared"}) {
     const ToolResult result = run_tool(folder, arguments);
     EXPECT_EQ(result.exit_code, 2);
     EXPECT_EQ(result.err,
@@ -310,7 +330,8 @@ TEST(CommandLine, NumbersOutOfRange_AreToldByTheirOption) {
   write_octahedron(folder / "in.off");
   for (const char* arguments :
        {"chart in.off -o c --budget-seconds 0", "bake in.off -o a.glb --max-seconds -1",
-        "bake in.off -o a.glb --gradient-weight nan", "render in.off -o a.png --eye 0,0,3 --fov-deg 180"}) {
+        "bake in.off -o a.glb --gradient-weight nan",
+        "render in.off --normals angle -o a.png --eye 0,0,3 --fov-deg 180"}) {
     const ToolResult refused = run_tool(folder, arguments);
     EXPECT_EQ(refused.exit_code, 2) << arguments;
     EXPECT_LT(refused.err.size(), 200U) << refused.err;

@@ -132,5 +132,33 @@ TEST(Creases, ATextureSeamAcrossASmoothEdge_StaysSmooth) {
     for (int c = 0; c < 3; ++c) EXPECT_EQ(charts[t[c]], whole[mesh.source_vertices[t[c]]]);
 }
 
+std::size_t smoothed_faces(Mesh mesh) {
+  mesh.normals = vertex_normals(mesh, NormalWeight::angle).normals;
+  return count_smoothed_faces(mesh);
+}
+
+TEST(SmoothedFaces, BoxesAreAll_RoundShapesAndSplitOnesAreNone) {
+  EXPECT_EQ(smoothed_faces(cube(0)), 12U);
+  EXPECT_EQ(smoothed_faces(icosphere(2)), 0U);
+  EXPECT_EQ(smoothed_faces({}), 0U);
+  Mesh split = cube(0);
+  split_creases(split, rad(30));
+  EXPECT_EQ(smoothed_faces(split), 0U);
+}
+
+// Of many faces some are looked at first; what is told is the number of all.
+TEST(SmoothedFaces, ManyBoxesAreAllCounted_AFewBesideASphereAreNot) {
+  const auto add = [](Mesh& to, const Mesh& mesh) {
+    const auto first = static_cast<std::uint32_t>(to.n_vertices());
+    to.positions.insert(to.positions.end(), mesh.positions.begin(), mesh.positions.end());
+    for (const glm::uvec3& t : mesh.triangles) to.triangles.push_back(t + first);
+  };
+  Mesh boxes, sphere = icosphere(6);
+  for (int i = 0; i < 5000; ++i) add(boxes, cube(0));
+  EXPECT_EQ(smoothed_faces(boxes), 60000U);
+  for (int i = 0; i < 500; ++i) add(sphere, cube(0));
+  EXPECT_EQ(smoothed_faces(sphere), 0U);
+}
+
 }  // namespace
 }  // namespace lambake

@@ -8,9 +8,24 @@
 
 #include "lambake/geometry/disjoint_sets.h"
 #include "lambake/geometry/edges.h"
+#include "lambake/geometry/normal_sums.h"
 #include "lambake/geometry/normals.h"
 
 namespace lambake {
+namespace {
+
+bool is_smoothed(const Mesh& mesh, const glm::uvec3& t) {
+  constexpr double cos_40_degrees = 0.766;
+  const glm::dvec3 cross = area_vector(mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]);
+  const double least = cos_40_degrees * glm::length(cross);
+  for (int c = 0; c < 3; ++c) {
+    const glm::dvec3 normal(mesh.normals[t[c]]);
+    if (normal != glm::dvec3(0) && glm::dot(normal, cross) < least) return true;
+  }
+  return false;
+}
+
+}  // namespace
 
 std::size_t split_creases(Mesh& mesh, float crease_angle_rad) {
   const std::vector<glm::vec3> normals = face_normals(mesh);
@@ -72,6 +87,17 @@ std::size_t split_creases(Mesh& mesh, float crease_angle_rad) {
       mesh.triangles[corners[i].corner / 3][static_cast<int>(corners[i].corner % 3)] = target;
   }
   return mesh.n_vertices() - n_before;
+}
+
+std::size_t count_smoothed_faces(const Mesh& mesh) {
+  const auto count = [&](std::size_t step) {
+    std::size_t n = 0;
+    for (std::size_t f = 0; f < mesh.n_triangles(); f += step) n += is_smoothed(mesh, mesh.triangles[f]);
+    return n;
+  };
+  const std::size_t step = 1 + mesh.n_triangles() / 20000, n_seen = (mesh.n_triangles() + step - 1) / step;
+  if (10 * count(step) < n_seen) return 0;
+  return count(1);
 }
 
 }  // namespace lambake
