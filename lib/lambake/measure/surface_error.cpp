@@ -107,19 +107,17 @@ class TriangleError {
       if (next.size() > max_parts) break;
       parts.swap(next);
     }
-    std::size_t begin = 0;  // Of those that were made last.
-    for (int depth = 0; depth < max_depth && begin < parts.size() && parts.size() < max_quarters; ++depth) {
-      next.assign(parts.begin(), parts.begin() + static_cast<std::ptrdiff_t>(begin));
-      std::vector<glm::dmat3> made;
-      for (std::size_t i = begin; i < parts.size(); ++i)
-        if (is_wide(parts[i]))
-          for (const glm::dmat3& quarter : quarters(parts[i])) made.push_back(quarter);
+    std::vector<glm::dmat3> narrow;
+    for (int depth = 0; depth < max_depth && narrow.size() + parts.size() < max_quarters; ++depth) {
+      next.clear();
+      for (const glm::dmat3& part : parts)
+        if (is_wide(part))
+          for (const glm::dmat3& quarter : quarters(part)) next.push_back(quarter);
         else
-          next.push_back(parts[i]);
-      begin = next.size();
-      next.insert(next.end(), made.begin(), made.end());
+          narrow.push_back(part);
       parts.swap(next);
     }
+    parts.insert(parts.end(), narrow.begin(), narrow.end());
     return parts;
   }
 
