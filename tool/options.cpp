@@ -176,8 +176,7 @@ void make_normals(const SceneOptions& options, bool is_flat, LoadedScene& loaded
   if (options.normals == "auto" && !options.crease_angle_deg && !is_flat)
     add_finding(findings, "smoothed_faces", count_smoothed_faces(mesh),
                 "face[ leans|s lean] more than 40 degrees from the normals at [its|their] corners: sharp "
-                "edges are lit "
-                "as if they were round (--crease-angle-deg 30 keeps them sharp)");
+                "edges are lit as if they were round (--crease-angle-deg 30 keeps them sharp)");
 }
 
 double parse_number(const std::string& option, std::string_view text) {

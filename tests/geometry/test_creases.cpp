@@ -141,6 +141,9 @@ TEST(SmoothedFaces, BoxesAreAll_RoundShapesAndSplitOnesAreNone) {
   EXPECT_EQ(smoothed_faces(cube(0)), 12U);
   EXPECT_EQ(smoothed_faces(icosphere(2)), 0U);
   EXPECT_EQ(smoothed_faces({}), 0U);
+  Mesh turned = icosphere(2);
+  for (const glm::vec3& p : turned.positions) turned.normals.push_back(-p);
+  EXPECT_EQ(count_smoothed_faces(turned), 0U);
   Mesh split = cube(0);
   split_creases(split, rad(30));
   EXPECT_EQ(smoothed_faces(split), 0U);

@@ -14,13 +14,14 @@
 namespace lambake {
 namespace {
 
+/// Normals that lean by 90 degrees or more are of faces wound against each other, not of edges.
 bool is_smoothed(const Mesh& mesh, const glm::uvec3& t) {
   constexpr double cos_40_degrees = 0.766;
   const glm::dvec3 cross = area_vector(mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]);
   const double least = cos_40_degrees * glm::length(cross);
   for (int c = 0; c < 3; ++c) {
-    const glm::dvec3 normal(mesh.normals[t[c]]);
-    if (normal != glm::dvec3(0) && glm::dot(normal, cross) < least) return true;
+    const double along = glm::dot(glm::dvec3(mesh.normals[t[c]]), cross);
+    if (along > 0 && along < least) return true;
   }
   return false;
 }

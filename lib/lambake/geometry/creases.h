@@ -13,9 +13,9 @@ namespace lambake {
 /// @returns how many vertices were added.
 std::size_t split_creases(Mesh& mesh, float crease_angle_rad);
 
-/// Triangles that lean more than 40 degrees from the normal at one of their corners, if those are a tenth of
-/// all: sharp edges that are lit as if they were round. 0 if they are fewer, as single folds are in every
-/// scan. O(F) where it finds them; otherwise 20,000 triangles are looked at.
+/// Triangles that lean between 40 and 90 degrees from the normal at one of their corners, if those are a
+/// tenth of all: sharp edges that are lit as if they were round. 0 if they are fewer, as single folds are in
+/// every scan. O(F) where it finds them; otherwise 20,000 triangles are looked at.
 /// @param mesh  with normals.
 std::size_t count_smoothed_faces(const Mesh& mesh);
 
