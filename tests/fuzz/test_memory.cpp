@@ -9,6 +9,8 @@
 #include "fuzz/allocation_watch.h"
 #include "fuzz/sample_mesh_files.h"
 #include "lambake/io/scene_file.h"
+#include "lambake/measure/bound.h"
+#include "lambake/measure/surface_error.h"
 
 namespace lambake {
 namespace {
@@ -110,6 +112,27 @@ TEST(Memory, OfReadingAText_IsAtMostTwoAndAHalfTimesTheScene) {
   EXPECT_LT(peak_over_scene("a.ply", ascii_ply(), n), 2.5);
   EXPECT_LT(peak_over_scene("a.off", off(), n), 2.5);
   EXPECT_LT(peak_over_scene("a.stl", ascii_stl(), n), 2.5);
+}
+
+TEST(Memory, OfMeasuringTheSurface_IsAtMostOneAndAHalfTimesTheSceneBesideIt) {
+  const std::string path =
+      (std::filesystem::path(testing::TempDir()) / "lambake_memory_measured.ply").string();
+  write_bytes(path, ascii_ply());
+  SceneFile file = read_scene_file(path);
+  std::filesystem::remove(path);
+  Scene& scene = file.scene;
+  scene.mesh.texcoords = {};
+  scene.lights.push_back({.direction_to_light = {0, 1, 0}});
+  const BakedColors baked = bake(scene, {});
+  std::vector<LinearRgb> computed = baked.colors;
+  computed[0].r += 0.001f;  // So that there are three measures.
+  const auto n_bytes = static_cast<double>(36 * scene.mesh.n_vertices() + 12 * scene.mesh.n_triangles());
+  reset_peak_of_allocations();
+  surface_errors(scene, baked, computed);
+  EXPECT_LT(static_cast<double>(peak_of_allocations()), 1.5 * n_bytes);
+  reset_peak_of_allocations();
+  surface_bound(scene, baked, {});
+  EXPECT_LT(static_cast<double>(peak_of_allocations()), 1.5 * n_bytes);
 }
 
 }  // namespace

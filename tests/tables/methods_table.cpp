@@ -128,8 +128,8 @@ void print_tightness(const Model& model) {
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
   std::vector<double> ratios;
   for (std::size_t f = 0; f < bound.triangle_bound.size(); ++f)
-    if (error.triangle_max[f] > 1e-6f)
-      ratios.push_back(static_cast<double>(bound.triangle_bound[f]) / error.triangle_max[f]);
+    if (const float worst = std::abs(error.triangle_worst[f]); worst > 1e-6f)
+      ratios.push_back(static_cast<double>(bound.triangle_bound[f]) / worst);
   std::sort(ratios.begin(), ratios.end());
   const auto at = [&](std::size_t percent) { return ratios[(ratios.size() - 1) * percent / 100]; };
   fmt::print("| {} | {} | {:.3f} | {:.3f} | {:.3f} | {:.0f} |\n", model.name, ratios.size(), at(50), at(99),

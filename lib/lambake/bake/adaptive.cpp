@@ -68,8 +68,8 @@ class AdaptiveBake {
     baked.certificate->smallest_angle_before = smallest_angle_before;
     baked.findings = findings(baked.certificate->open_triangles, n_spoilt);
     baked.colors = colors_.take_colors();
-    baked.cuts = cut_.cuts();
-    baked.parent_triangles = cut_.parent_triangles();
+    baked.cuts = cut_.take_cuts();
+    baked.parent_triangles = cut_.take_parent_triangles();
     baked.mesh = cut_.take_mesh();
     return baked;
   }

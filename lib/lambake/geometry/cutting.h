@@ -49,6 +49,8 @@ class CutMesh {
       const std::function<bool(std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t)>& cuts_ac);
 
   Mesh take_mesh() { return std::move(mesh_); }
+  std::vector<EdgeCut> take_cuts() { return std::move(cuts_); }
+  std::vector<std::uint32_t> take_parent_triangles() { return std::move(parents_); }
 
  private:
   struct Side {

@@ -32,6 +32,7 @@ SurfaceBound surface_bound(const Scene& scene, const BakedColors& baked, const B
   });
 
   SurfaceBound result;
+  result.triangle_bound.reserve(n);
   for (const double bound : bounds) {
     result.max_bound = std::max(result.max_bound, bound);
     result.triangle_bound.push_back(bound > 0 ? std::nextafter(static_cast<float>(bound), infinity) : 0.0f);

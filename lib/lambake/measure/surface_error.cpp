@@ -18,8 +18,6 @@
 namespace lambake {
 namespace {
 
-constexpr std::size_t block_size = 256;
-
 /// Mean values over (a part of) a triangle, over its three channels, and the largest that was met.
 struct Sums {
   double square = 0, absolute = 0, plain = 0;
@@ -279,29 +277,112 @@ void climb(const TriangleError& error, Sums& sums) {
   }
 }
 
-/// What integrating has found on the triangles.
-struct Integrals {
-  std::vector<double> areas;           ///< F'; 0 for triangles that do not count.
-  std::vector<PerMeasure<Sums>> sums;  ///< F'.
+/// Area integrals over a group of triangles.
+struct Totals {
+  double area = 0;
+  PerMeasure<double> square{}, absolute{}, plain{};
+  PerMeasure<double> n_with_error{};  ///< Triangles.
+
+  void add(const PerMeasure<Sums>& sums, double weight) {
+    area += weight;
+    for (std::size_t m = 0; m < most_measures; ++m) {
+      square[m] += weight * sums[m].square;
+      absolute[m] += weight * sums[m].absolute;
+      plain[m] += weight * sums[m].plain;
+      n_with_error[m] += weight * sums[m].square > 0;
+    }
+  }
+  void add(const Totals& other) {
+    area += other.area;
+    for (std::size_t m = 0; m < most_measures; ++m) {
+      square[m] += other.square[m];
+      absolute[m] += other.absolute[m];
+      plain[m] += other.plain[m];
+      n_with_error[m] += other.n_with_error[m];
+    }
+  }
 };
 
-Integrals integrate(const ComparedSurface& surface, std::span<const Measure> measures) {
+/// Triangles whose totals are kept together: where one is integrated more closely, the others are looked at
+/// again.
+constexpr std::size_t group_size = 8;
+
+/// What integrating keeps: little of each triangle, as there are many. What else is wanted of one is
+/// evaluated again.
+struct Integrals {
+  std::vector<Totals> groups;
+  std::vector<PerMeasure<float>> uncertainties;  ///< F', of the first look.
+  /// How far a triangle may be off, by area: one without a texture, and one with.
+  PerMeasure<double> allowed, allowed_noise;
+
+  PerMeasure<double> tolerances(const ComparedSurface& surface, std::size_t f) const {
+    PerMeasure<double> tolerances = surface.has_texture(f) ? allowed_noise : allowed;
+    const double area = area_of(surface.patch(f));
+    for (double& tolerance : tolerances) tolerance /= area;
+    return tolerances;
+  }
+};
+
+Totals total_of(const Integrals& integrals) {
+  Totals total;
+  for (const Totals& group : integrals.groups) total.add(group);
+  return total;
+}
+
+/// The first look at a triangle: its parts by their rules, and where the largest errors lie.
+Estimate look_at(const TriangleError& error) {
+  Estimate total;
+  for (const glm::dmat3& part : error.parts()) {
+    total.add(estimate(error, part), share_of_area(part), error.n_measures());
+    see_sides(error, part, total.sums);
+  }
+  return total;
+}
+
+/// Whether the first look at a triangle is not exact enough.
+bool is_open(const ComparedSurface& surface, const Integrals& integrals, std::size_t f) {
+  const PerMeasure<float>& uncertainties = integrals.uncertainties[f];
+  if (uncertainties == PerMeasure<float>{}) return false;
+  const PerMeasure<double> tolerances = integrals.tolerances(surface, f);
+  for (std::size_t m = 0; m < most_measures; ++m)
+    if (uncertainties[m] > tolerances[m]) return true;
+  return false;
+}
+
+/// Means over a triangle, as exact as they need be.
+PerMeasure<Sums> sums_of(const ComparedSurface& surface, std::span<const Measure> measures,
+                         const Integrals& integrals, std::size_t f) {
+  if (area_of(surface.patch(f)) == 0) return {};
+  const TriangleError error(surface, f, measures);
+  const PerMeasure<Sums> rough = look_at(error).sums;
+  if (!is_open(surface, integrals, f)) return rough;
+  PerMeasure<Sums> sums = integrate(error, integrals.tolerances(surface, f));
+  for (std::size_t m = 0; m < measures.size(); ++m) sums[m].see(rough[m]);
+  return sums;
+}
+
+/// @param worst  for each of the first measures F' floats, which are set to the worst difference of each
+/// triangle.
+Integrals integrate(const ComparedSurface& surface, std::span<const Measure> measures,
+                    std::span<std::vector<float>* const> worst) {
   const std::size_t n = surface.n_triangles();
-  Integrals result{std::vector<double>(n), std::vector<PerMeasure<Sums>>(n)};
-  std::vector<double>& areas = result.areas;
-  std::vector<PerMeasure<Sums>>& sums = result.sums;
-  std::vector<PerMeasure<double>> uncertainties(n);
-  parallel_blocks(n, block_size, [&](std::size_t begin, std::size_t end) {
+  Integrals result;
+  result.groups.resize((n + group_size - 1) / group_size);
+  result.uncertainties.resize(n);
+  for (auto* values : {&result.allowed, &result.allowed_noise})
+    values->fill(std::numeric_limits<double>::infinity());
+  for (std::vector<float>* values : worst) values->assign(n, 0);
+  const auto take = [&](std::size_t f, const PerMeasure<Sums>& sums) {
+    result.groups[f / group_size].add(sums, area_of(surface.patch(f)));
+    for (std::size_t m = 0; m < worst.size(); ++m) (*worst[m])[f] = static_cast<float>(sums[m].worst);
+  };
+  parallel_blocks(n, 32 * group_size, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) {
-      areas[f] = area_of(surface.patch(f));
-      if (areas[f] == 0) continue;
-      const TriangleError error(surface, f, measures);
-      Estimate total;
-      for (const glm::dmat3& part : error.parts()) {
-        total.add(estimate(error, part), share_of_area(part), measures.size());
-        see_sides(error, part, total.sums);
-      }
-      sums[f] = total.sums, uncertainties[f] = total.uncertainties;
+      if (area_of(surface.patch(f)) == 0) continue;
+      const Estimate total = look_at(TriangleError(surface, f, measures));
+      for (std::size_t m = 0; m < measures.size(); ++m)
+        result.uncertainties[f][m] = static_cast<float>(total.uncertainties[m]);
+      take(f, total.sums);
     }
   });
 
@@ -309,106 +390,77 @@ Integrals integrate(const ComparedSurface& surface, std::span<const Measure> mea
   // a texture has either sign and adds up as its squares do: there 1e-4 of the whole over √n is enough, and
   // leaves room for tiles that are all alike. The whole is known only roughly at first, so this is done again
   // where it turns out smaller.
-  PerMeasure<double> previous_totals, allowed, allowed_noise;
-  for (auto* values : {&previous_totals, &allowed, &allowed_noise})
-    values->fill(std::numeric_limits<double>::infinity());
+  PerMeasure<double> previous_totals;
+  previous_totals.fill(std::numeric_limits<double>::infinity());
   for (int round = 0; round < 4; ++round) {
-    PerMeasure<bool> is_new{};
+    const Totals totals = total_of(result);
+    bool is_new = false;
     for (std::size_t m = 0; m < measures.size(); ++m) {
-      double total = 0, n_with_error = 0;
-      for (std::size_t f = 0; f < n; ++f) {
-        total += areas[f] * sums[f][m].square;
-        n_with_error += areas[f] * sums[f][m].square > 0;
-      }
-      is_new[m] = total < 0.9 * previous_totals[m];
-      if (!is_new[m]) continue;
-      previous_totals[m] = total;
-      allowed[m] = 4e-4 * total / std::max(1.0, n_with_error);
-      allowed_noise[m] = 1e-4 * total / std::sqrt(std::max(1.0, n_with_error));
+      if (!(totals.square[m] < 0.9 * previous_totals[m])) continue;
+      is_new = true;
+      previous_totals[m] = totals.square[m];
+      const double n_with_error = std::max(1.0, totals.n_with_error[m]);
+      result.allowed[m] = 4e-4 * totals.square[m] / n_with_error;
+      result.allowed_noise[m] = 1e-4 * totals.square[m] / std::sqrt(n_with_error);
     }
-    parallel_blocks(n, block_size, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t f = begin; f < end; ++f) {
-        PerMeasure<double> tolerances = surface.has_texture(f) ? allowed_noise : allowed;
-        for (double& tolerance : tolerances) tolerance /= areas[f];
-        bool is_open = false;
-        for (std::size_t m = 0; m < measures.size(); ++m)
-          is_open |= is_new[m] && uncertainties[f][m] > tolerances[m];
-        if (!is_open) continue;
-        const PerMeasure<Sums> rough = sums[f];
-        sums[f] = integrate(TriangleError(surface, f, measures), tolerances);
-        for (std::size_t m = 0; m < measures.size(); ++m) sums[f][m].see(rough[m]);
-      }
+    if (!is_new) break;
+    parallel_blocks(n, group_size, [&](std::size_t begin, std::size_t end) {
+      bool has_open = false;
+      for (std::size_t f = begin; f < end; ++f) has_open |= is_open(surface, result, f);
+      if (!has_open) return;
+      result.groups[begin / group_size] = {};
+      for (std::size_t f = begin; f < end; ++f) take(f, sums_of(surface, measures, result, f));
     });
   }
   return result;
 }
 
-double rmse_of(const Integrals& integrals, std::size_t m) {
-  double area = 0, square = 0;
-  for (std::size_t f = 0; f < integrals.areas.size(); ++f) {
-    area += integrals.areas[f];
-    square += integrals.areas[f] * integrals.sums[f][m].square;
-  }
-  return area > 0 ? std::sqrt(square / area) : 0;
-}
-
-/// The triangles with the largest errors of measure m, at most 8, the largest first, after a closer look at
-/// each.
-std::vector<std::uint32_t> find_worst(const ComparedSurface& surface, std::span<const Measure> measures,
-                                      std::size_t m, Integrals& integrals) {
-  const auto sums = [&](std::uint32_t f) -> Sums& { return integrals.sums[f][m]; };
-  const auto is_worse = [&](std::uint32_t a, std::uint32_t b) {
-    return sums(a).max != sums(b).max ? sums(a).max > sums(b).max : a < b;
-  };
+/// The places of the largest errors of measure m, in at most 8 triangles, the largest first, after a closer
+/// look at each.
+std::vector<SurfacePlace> find_worst(const ComparedSurface& surface, std::span<const Measure> measures,
+                                     std::size_t m, const Integrals& integrals,
+                                     std::vector<float>& triangle_worst) {
   std::vector<std::uint32_t> order(surface.n_triangles());
   std::iota(order.begin(), order.end(), 0U);
   const std::size_t n_worst = std::min<std::size_t>(8, order.size());
   std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(n_worst), order.end(),
-                    is_worse);
-  order.resize(n_worst);
+                    [&](std::uint32_t a, std::uint32_t b) {
+                      const float of_a = std::abs(triangle_worst[a]), of_b = std::abs(triangle_worst[b]);
+                      return of_a != of_b ? of_a > of_b : a < b;
+                    });
+  std::vector<SurfacePlace> places(n_worst);
   parallel_blocks(n_worst, 1, [&](std::size_t i, std::size_t) {
-    if (integrals.areas[order[i]] > 0)
-      climb(TriangleError(surface, order[i], measures.subspan(m, 1)), sums(order[i]));
+    const std::uint32_t f = order[i];
+    Sums sums = sums_of(surface, measures, integrals, f)[m];
+    if (!(sums.max > 0)) return;
+    const TriangleError error(surface, f, measures.subspan(m, 1));
+    climb(error, sums);
+    triangle_worst[f] = static_cast<float>(sums.worst);
+    places[i] = {.triangle = f,
+                 .source_face = surface.mesh().source_face_of(f),
+                 .barycentrics = sums.max_at,
+                 .position = surface.patch(f).positions * sums.max_at,
+                 .error = sums.max,
+                 .light = error.worst_light(sums.max_at)};
   });
-  std::sort(order.begin(), order.end(), is_worse);
-  return order;
+  std::erase_if(places, [](const SurfacePlace& place) { return place.error == 0; });
+  std::sort(places.begin(), places.end(), [](const SurfacePlace& a, const SurfacePlace& b) {
+    return a.error != b.error ? a.error > b.error : a.triangle < b.triangle;
+  });
+  return places;
 }
 
-/// Sums up measure m, after a closer look at its worst triangles.
-SurfaceError summarise(const ComparedSurface& surface, std::span<const Measure> measures, std::size_t m,
-                       Integrals& integrals) {
-  const std::vector<std::uint32_t> worst = find_worst(surface, measures, m, integrals);
-  const std::size_t n = surface.n_triangles();
-  SurfaceError result;
-  result.triangle_max.resize(n);
-  result.triangle_worst.resize(n);
-  double absolute = 0, plain = 0;
-  for (std::size_t f = 0; f < n; ++f) {
-    const Sums& sums = integrals.sums[f][m];
-    result.area += integrals.areas[f];
-    absolute += integrals.areas[f] * sums.absolute;
-    plain += integrals.areas[f] * sums.plain;
-    result.triangle_max[f] = static_cast<float>(std::max(0.0, sums.max));
-    result.triangle_worst[f] = static_cast<float>(sums.worst);
-    result.max_sampled = std::max(result.max_sampled, sums.max);
-  }
-  result.rmse = rmse_of(integrals, m);
-  if (result.area > 0) {
-    result.mae = absolute / result.area;
-    result.mean = plain / result.area;
-  }
-  for (const std::uint32_t f : worst) {
-    const Sums& sums = integrals.sums[f][m];
-    if (!(sums.max > 0)) break;
-    result.worst.push_back(
-        {.triangle = f,
-         .source_face = surface.mesh().source_face_of(f),
-         .barycentrics = sums.max_at,
-         .position = surface.patch(f).positions * sums.max_at,
-         .error = sums.max,
-         .light = TriangleError(surface, f, measures.subspan(m, 1)).worst_light(sums.max_at)});
-  }
-  return result;
+/// Fills in all but triangle_worst, which gets a closer look where it is largest.
+void summarise(const ComparedSurface& surface, std::span<const Measure> measures, std::size_t m,
+               const Integrals& integrals, SurfaceError& error) {
+  error.worst = find_worst(surface, measures, m, integrals, error.triangle_worst);
+  if (!error.worst.empty()) error.max_sampled = error.worst.front().error;
+  const Totals totals = total_of(integrals);
+  error.area = totals.area;
+  if (!(totals.area > 0)) return;
+  error.rmse = std::sqrt(totals.square[m] / totals.area);
+  error.mae = totals.absolute[m] / totals.area;
+  error.mean = totals.plain[m] / totals.area;
 }
 
 }  // namespace
@@ -416,8 +468,10 @@ SurfaceError summarise(const ComparedSurface& surface, std::span<const Measure> 
 SurfaceError surface_error(const Scene& scene, const BakedColors& baked, ErrorSpace space) {
   const ComparedSurface surface(scene, baked);
   const std::array<Measure, 1> measures = {{{baked.colors, space}}};
-  Integrals integrals = integrate(surface, measures);
-  return summarise(surface, measures, 0, integrals);
+  SurfaceError result;
+  const Integrals integrals = integrate(surface, measures, std::array{&result.triangle_worst});
+  summarise(surface, measures, 0, integrals, result);
+  return result;
 }
 
 SurfaceErrors surface_errors(const Scene& scene, const BakedColors& baked,
@@ -430,12 +484,14 @@ SurfaceErrors surface_errors(const Scene& scene, const BakedColors& baked,
                                        {baked.colors, ErrorSpace::display},
                                        {computed, ErrorSpace::linear}}};
   const std::span<const Measure> measures = std::span(all).first(computed == baked.colors ? 2 : 3);
-  Integrals integrals = integrate(surface, measures);
   SurfaceErrors result;
-  result.linear = summarise(surface, measures, 0, integrals);
-  result.display = summarise(surface, measures, 1, integrals);
+  const Integrals integrals =
+      integrate(surface, measures, std::array{&result.linear.triangle_worst, &result.display.triangle_worst});
+  summarise(surface, measures, 0, integrals, result.linear);
+  summarise(surface, measures, 1, integrals, result.display);
   result.computed_rmse = result.linear.rmse;
-  if (measures.size() == 3) result.computed_rmse = rmse_of(integrals, 2);
+  if (const Totals totals = total_of(integrals); measures.size() == 3 && totals.area > 0)
+    result.computed_rmse = std::sqrt(totals.square[2] / totals.area);
   return result;
 }
 

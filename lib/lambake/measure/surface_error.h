@@ -27,8 +27,7 @@ struct SurfaceError {
   double rmse = 0, mae = 0, mean = 0;  ///< Area means over the three channels; mean is signed, G − F.
   double max_sampled = 0;  ///< Largest |G − F| met while integrating: never above the truth's maximum.
   double area = 0;         ///< Area integrated over, in squared world units.
-  std::vector<float> triangle_max;    ///< F'.
-  std::vector<float> triangle_worst;  ///< F': G − F, signed, of the channel where |G − F| is triangle_max.
+  std::vector<float> triangle_worst;  ///< F': G − F, signed, where it is largest, of the worst channel.
   std::vector<SurfacePlace> worst;    ///< At most 8, in different triangles, largest first.
 };
 
