@@ -37,7 +37,10 @@ void print_verdict(const BakeCommand& command, const BakedScene& result) {
 int bake_and_write(const BakeCommand& command) {
   Console console(command.scene.quiet);
   Stopwatch stopwatch;
-  for (const std::string& path : command.outputs) check_baked_path(path, command.output);
+  for (const std::string& path : command.outputs) {
+    check_baked_path(path, command.output);
+    check_keeps_input(command.scene, path, path);
+  }
   check_distinct(command.outputs);
   const BakeOptions how = bake_options(command.method, console);
   LoadedScene loaded = load_scene(command.scene, console, stopwatch, command.method.method == "face");

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
-#include <system_error>
 #include <utility>
 
 #include "bake_options.h"
@@ -89,12 +88,8 @@ void write_surface_error(const std::string& path, const Mesh& mesh, const Surfac
 /// What would fail only once the work is done.
 void check_outputs(const CompareCommand& command) {
   check_output_folder(command.folder);
-  for (const char* name : {"lit.glb", "lit.ply", "surface_error.ply"}) {
-    std::error_code ignored;  // Of a file that is not there yet.
-    const std::filesystem::path output = std::filesystem::path(command.folder) / name;
-    if (std::filesystem::equivalent(output, command.scene.input, ignored))
-      throw InvalidOption(fmt::format("-o {}: would replace the input", command.folder));
-  }
+  for (const char* name : {"lit.glb", "lit.ply", "surface_error.ply"})
+    check_keeps_input(command.scene, std::filesystem::path(command.folder) / name, command.folder);
   picture_size(command.camera);
   check_baked_path("lit.glb", command.output);
 }

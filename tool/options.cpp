@@ -9,6 +9,7 @@
 #include <map>
 #include <numbers>
 #include <set>
+#include <system_error>
 
 #include "lambake/core/bounds.h"
 #include "lambake/core/error.h"
@@ -235,6 +236,13 @@ void check_distinct(const std::vector<std::string>& outputs) {
   for (const std::string& output : outputs)
     if (!seen.insert(std::filesystem::path(output).lexically_normal()).second)
       throw InvalidOption(fmt::format("-o {}: expected each file once", output));
+}
+
+void check_keeps_input(const SceneOptions& options, const std::filesystem::path& path,
+                       const std::string& output) {
+  std::error_code ignored;  // Of a file that is not there yet.
+  if (std::filesystem::equivalent(options.input, path, ignored))
+    throw InvalidOption(fmt::format("-o {}: would replace the input", output));
 }
 
 CLI::Validator at_least_zero() {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <glm/glm.hpp>
 #include <optional>
 #include <string>
@@ -72,6 +73,11 @@ double parse_quotient(const std::string& option, std::string_view text);
 
 /// @throws InvalidOption if two outputs are one file.
 void check_distinct(const std::vector<std::string>& outputs);
+
+/// @throws InvalidOption, naming the output as it was given, if writing the file at `path` would replace the
+/// input.
+void check_keeps_input(const SceneOptions& options, const std::filesystem::path& path,
+                       const std::string& output);
 
 /// For CLI11: finite numbers of at least 0, or above 0.
 CLI::Validator at_least_zero();

@@ -207,6 +207,24 @@ TEST(CommandLine, Input_MissingOrBroken_ExitWith3AndNothingWritten) {
             std::string::npos);
 }
 
+TEST(CommandLine, OutputThatIsTheInput_IsRefusedWhatItsPathIs) {
+  const ScratchFolder folder("itself");
+  write_quad(folder / "in.off");
+  ASSERT_EQ(run_tool(folder, "bake in.off -o lit.ply --quiet").exit_code, 0);
+  std::filesystem::create_symlink(folder / "lit.ply", folder / "link.ply");
+  const std::string bytes = read_bytes(folder / "lit.ply");
+  for (const char* arguments :
+       {"bake lit.ply -o lit.ply", "bake lit.ply -o a.glb -o ./lit.ply", "bake lit.ply -o link.ply",
+        "bake link.ply -o lit.ply", "compare lit.ply -o ."}) {
+    const ToolResult result = run_tool(folder, arguments);
+    EXPECT_EQ(result.exit_code, 2) << arguments;
+    EXPECT_NE(result.err.find("would replace the input"), std::string::npos) << result.err;
+    EXPECT_EQ(count_lines(result.err), 1U) << result.err;
+  }
+  EXPECT_EQ(read_bytes(folder / "lit.ply"), bytes);
+  EXPECT_FALSE(std::filesystem::exists(folder / "a.glb"));
+}
+
 TEST(CommandLine, Compare_Thresholds_DecideTheExitCode) {
   const ScratchFolder folder("threshold");
   write_octahedron(folder / "in.off");
