@@ -188,6 +188,39 @@ TEST(SurfaceError, SmallLitPlacesInALargeTriangle_IntegrateToTheClosedForm) {
   }
 }
 
+TEST(SurfaceError, LightsOfAnySize_GiveTheSameOnTwoTrianglesAsOnMany) {
+  // Colours of 0: what is integrated is the light, whatever the triangles.
+  const auto error_on = [](unsigned n, const Light& light) {
+    const Scene scene = scene_of(grid(n, 1), {light});
+    BakedColors baked = bake(scene, {});
+    std::fill(baked.colors.begin(), baked.colors.end(), LinearRgb{});
+    return surface_error(scene, baked, ErrorSpace::linear);
+  };
+  for (const float size : {0.05f, 0.1f, 0.2f, 0.3f, 0.45f, 0.7f, 1.0f}) {
+    Light ranged = lamp({0.3f, size, -0.2f}, {1, 1, 1}, 0.5f);
+    ranged.range = 1.2f;
+    for (const Light& light : {spot({0.3f, 1, 0.1f}, {0.2f, -1, 0.1f}, 0, size),
+                               spot({-0.9f, 0.6f, 0.8f}, {0.4f, -0.3f, -0.6f}, size / 2, size),
+                               lamp({0.3f, size, -0.2f}), ranged}) {
+      const SurfaceError two = error_on(1, light), many = error_on(32, light);
+      EXPECT_NEAR(two.rmse, many.rmse, 1e-3 * many.rmse) << size;
+      EXPECT_NEAR(two.mae, many.mae, 5e-3 * many.mae) << size;
+    }
+  }
+}
+
+TEST(SurfaceError, MaeWhereTheErrorChangesItsSign_IsExactWhereItIsLinear) {
+  Mesh mesh = grid(1, 1);
+  for (const glm::vec3& p : mesh.positions) mesh.colors.push_back(LinearRgb{(p.x + 1) / 2, 0, 0});
+  const Scene scene = scene_of(mesh, {sun({0, 1, 0})});
+  BakedColors baked = bake(scene, {});
+  std::fill(baked.colors.begin(), baked.colors.end(), LinearRgb{0.5f, 0, 0});
+  const SurfaceError error = surface_error(scene, baked, ErrorSpace::linear);
+  EXPECT_NEAR(error.mae, 0.25 / 3, 1e-7);
+  EXPECT_NEAR(error.rmse, std::sqrt(1.0 / 12 / 3), 1e-7);
+  EXPECT_NEAR(error.mean, 0, 1e-7);
+}
+
 TEST(SurfaceError, WorstOfATriangle_IsSigned_BelowZeroWhereLightIsMissing) {
   const Scene lamp_over_quad = scene_of(grid(1, 1), {lamp({0, 1, 0})});
   const Scene terminator = scene_of(icosphere(2), {sun({0, 1, 0})});

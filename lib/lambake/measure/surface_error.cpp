@@ -18,11 +18,12 @@
 namespace lambake {
 namespace {
 
-/// Mean values over (a part of) a triangle, over its three channels, and the largest that was met.
+/// Mean values over (a part of) a triangle, and the largest that was met in its three channels.
 struct Sums {
-  double square = 0, absolute = 0, plain = 0;
-  double max = -1;   ///< |worst|; below 0 where nothing was seen.
-  double worst = 0;  ///< Signed, of the worst channel.
+  double square = 0;                     ///< Over the channels.
+  glm::dvec3 absolute{0.0}, plain{0.0};  ///< By channel.
+  double max = -1;                       ///< |worst|; below 0 where nothing was seen.
+  double worst = 0;                      ///< Signed, of the worst channel.
   glm::dvec3 max_at{1, 0, 0};
 
   void see(double error, const glm::dvec3& b) {
@@ -33,8 +34,8 @@ struct Sums {
   }
   void add(const glm::dvec3& e, double weight, const glm::dvec3& b) {
     square += weight * glm::dot(e, e) / 3;
-    absolute += weight * (std::abs(e[0]) + std::abs(e[1]) + std::abs(e[2])) / 3;
-    plain += weight * (e[0] + e[1] + e[2]) / 3;
+    absolute += weight * glm::abs(e);
+    plain += weight * e;
     see(e, b);
   }
   void add(const Sums& other, double weight) {
@@ -92,8 +93,8 @@ class TriangleError {
   }
 
   /// The triangle cut along the terminators of its lights (their chords, where they are curves), as long as
-  /// that makes few parts: there the error has its kinks. Then quartered where a light is much nearer than a
-  /// part is wide, or its cone much narrower: what it lights must not fall between the places looked at.
+  /// that makes few parts: there the error has its kinks. Then quartered where a light is nearer than a part
+  /// is wide, or its cone narrower: what it lights must not fall between the places looked at.
   std::vector<glm::dmat3> parts() const {
     constexpr std::size_t max_parts = 8, max_quarters = 512;
     constexpr int max_depth = 14;
@@ -139,7 +140,7 @@ class TriangleError {
   }
 
  private:
-  /// Whether a part is wider than four times what a light has lit of it at the least.
+  /// Whether a part is wider than a light is away, or than what its cone has lit there.
   bool is_wide(const glm::dmat3& part) const {
     const glm::dmat3 p = patch_.positions * part;
     const glm::dvec3 center = (p[0] + p[1] + p[2]) / 3.0;
@@ -157,8 +158,8 @@ class TriangleError {
         if (off - width > std::max(0.0, along + width) * slope) return false;  // The cone misses it.
         slope = std::min(slope, 1.0);
       }
-      if (width <= 4 * slope * (glm::length(to_center) - width)) return false;  // Far away.
-      return width > 4 * slope * distance_from_origin(p[0] - at, p[1] - at, p[2] - at);
+      if (width <= slope * (glm::length(to_center) - width)) return false;  // Far away.
+      return width > slope * distance_from_origin(p[0] - at, p[1] - at, p[2] - at);
     });
   }
 
@@ -212,12 +213,47 @@ Estimate estimate(const TriangleError& error, const glm::dmat3& part) {
   return result;
 }
 
-/// Looks at the corners and the middles of the sides of a part as well, where the largest errors lie.
+/// The mean of |x| over a triangle, of x linear with these values at the corners.
+double mean_absolute(double a, double b, double c) {
+  if (a > b) std::swap(a, b);
+  if (b > c) std::swap(b, c);
+  if (a > b) std::swap(a, b);
+  const double mean = (a + b + c) / 3;
+  if (a >= 0 || c <= 0) return std::abs(mean);
+  // What is below 0 is a triangle at corner a, or what is above one at corner c.
+  if (b >= 0) return mean - 2 * a * a * a / (3 * (b - a) * (c - a));
+  return 2 * c * c * c / (3 * (c - a) * (c - b)) - mean;
+}
+
+/// The mean of |e| over a part: as of the function that is linear on its quarters, to which is added what
+/// that leaves of the mean. The rules, which ask for polynomials, are some percent off where e changes its
+/// sign.
+/// @param at     the errors at the corners and at the middles of the sides (0,1), (1,2) and (2,0).
+/// @param plain  the mean of e.
+double mean_absolute(const std::array<double, 6>& at, double plain) {
+  const auto& [a, b, c, ab, bc, ca] = at;
+  const double of_linear = (mean_absolute(a, ab, ca) + mean_absolute(b, bc, ab) + mean_absolute(c, ca, bc) +
+                            mean_absolute(ab, bc, ca)) /
+                           4;
+  const double plain_of_linear = (a + b + c + 3 * (ab + bc + ca)) / 12;
+  return of_linear + plain_of_linear / of_linear * (plain - plain_of_linear);
+}
+
+/// Looks at the corners and the middles of the sides of a part as well, where the largest errors lie, and by
+/// which the mean of |e| is mended where e changes its sign.
 void see_sides(const TriangleError& error, const glm::dmat3& part, PerMeasure<Sums>& sums) {
-  for (int c = 0; c < 3; ++c)
-    for (const glm::dvec3& b : {part[c], 0.5 * (part[c] + part[(c + 1) % 3])}) {
-      const auto errors = error(b);
-      for (std::size_t m = 0; m < error.n_measures(); ++m) sums[m].see(errors[m], b);
+  std::array<PerMeasure<glm::dvec3>, 6> errors;
+  for (int i = 0; i < 6; ++i) {
+    const glm::dvec3 b = i < 3 ? part[i] : 0.5 * (part[i - 3] + part[(i - 2) % 3]);
+    errors[i] = error(b);
+    for (std::size_t m = 0; m < error.n_measures(); ++m) sums[m].see(errors[i][m], b);
+  }
+  for (std::size_t m = 0; m < error.n_measures(); ++m)
+    for (int c = 0; c < 3; ++c) {
+      std::array<double, 6> at;
+      for (int i = 0; i < 6; ++i) at[i] = errors[i][m][c];
+      const auto [least, greatest] = std::minmax_element(at.begin(), at.end());
+      if (*least < 0 && *greatest > 0) sums[m].absolute[c] = mean_absolute(at, sums[m].plain[c]);
     }
 }
 
@@ -287,8 +323,8 @@ struct Totals {
     area += weight;
     for (std::size_t m = 0; m < most_measures; ++m) {
       square[m] += weight * sums[m].square;
-      absolute[m] += weight * sums[m].absolute;
-      plain[m] += weight * sums[m].plain;
+      absolute[m] += weight * glm::dot(sums[m].absolute, glm::dvec3(1.0 / 3));
+      plain[m] += weight * glm::dot(sums[m].plain, glm::dvec3(1.0 / 3));
       n_with_error[m] += weight * sums[m].square > 0;
     }
   }
@@ -333,8 +369,9 @@ Totals total_of(const Integrals& integrals) {
 Estimate look_at(const TriangleError& error) {
   Estimate total;
   for (const glm::dmat3& part : error.parts()) {
-    total.add(estimate(error, part), share_of_area(part), error.n_measures());
-    see_sides(error, part, total.sums);
+    Estimate here = estimate(error, part);
+    see_sides(error, part, here.sums);
+    total.add(here, share_of_area(part), error.n_measures());
   }
   return total;
 }
