@@ -94,7 +94,8 @@ class TriangleError {
 
   /// The triangle cut along the terminators of its lights (their chords, where they are curves), as long as
   /// that makes few parts: there the error has its kinks. Then quartered where a light is nearer than a part
-  /// is wide, or its cone narrower: what it lights must not fall between the places looked at.
+  /// is wide, or its cone narrower: what it lights must not fall between the places looked at. Where few
+  /// triangles have all of a texture between them, each is quartered for that.
   std::vector<glm::dmat3> parts() const {
     constexpr std::size_t max_parts = 8, max_quarters = 512;
     constexpr int max_depth = 14;
@@ -106,6 +107,13 @@ class TriangleError {
       if (next.size() > max_parts) break;
       parts.swap(next);
     }
+    if (has_texture_)
+      for (std::size_t n = surface_.n_triangles(), level = 0; n <= 4096 && level < 5; n *= 4, ++level) {
+        next.clear();
+        for (const glm::dmat3& part : parts)
+          for (const glm::dmat3& quarter : quarters(part)) next.push_back(quarter);
+        parts.swap(next);
+      }
     std::vector<glm::dmat3> narrow;
     for (int depth = 0; depth < max_depth && narrow.size() + parts.size() < max_quarters; ++depth) {
       next.clear();
@@ -269,7 +277,7 @@ struct Part {
 
 /// Adaptive quadrature of one triangle: of n parts the most urgent one is quartered until none is above
 /// 1/√n. What is left has either sign and adds up as its squares do, to the tolerance of each measure.
-PerMeasure<Sums> integrate(const TriangleError& error, const PerMeasure<double>& tolerances) {
+PerMeasure<Sums> integrate_triangle(const TriangleError& error, const PerMeasure<double>& tolerances) {
   constexpr int max_depth = 14;
   constexpr std::size_t max_parts = 15000;
   std::vector<Part> parts;  // A heap.
@@ -317,6 +325,7 @@ void climb(const TriangleError& error, Sums& sums) {
 struct Totals {
   double area = 0;
   PerMeasure<double> square{}, absolute{}, plain{};
+  PerMeasure<double> max{};           ///< The largest |e| that was met.
   PerMeasure<double> n_with_error{};  ///< Triangles.
 
   void add(const PerMeasure<Sums>& sums, double weight) {
@@ -325,6 +334,7 @@ struct Totals {
       square[m] += weight * sums[m].square;
       absolute[m] += weight * glm::dot(sums[m].absolute, glm::dvec3(1.0 / 3));
       plain[m] += weight * glm::dot(sums[m].plain, glm::dvec3(1.0 / 3));
+      max[m] = std::max(max[m], sums[m].max);
       n_with_error[m] += weight * sums[m].square > 0;
     }
   }
@@ -334,6 +344,7 @@ struct Totals {
       square[m] += other.square[m];
       absolute[m] += other.absolute[m];
       plain[m] += other.plain[m];
+      max[m] = std::max(max[m], other.max[m]);
       n_with_error[m] += other.n_with_error[m];
     }
   }
@@ -342,12 +353,13 @@ struct Totals {
 /// Triangles whose totals are kept together: where one is integrated more closely, the others are looked at
 /// again.
 constexpr std::size_t group_size = 8;
+constexpr std::size_t groups_in_block = 32;  // Whole groups: no two threads add to one.
 
 /// What integrating keeps: little of each triangle, as there are many. What else is wanted of one is
 /// evaluated again.
 struct Integrals {
   std::vector<Totals> groups;
-  std::vector<PerMeasure<float>> uncertainties;  ///< F', of the first look.
+  std::vector<PerMeasure<float>> uncertainties;  ///< F': square roots of those of the first look.
   /// How far a triangle may be off, by area: one without a texture, and one with.
   PerMeasure<double> allowed, allowed_noise;
 
@@ -376,13 +388,14 @@ Estimate look_at(const TriangleError& error) {
   return total;
 }
 
-/// Whether the first look at a triangle is not exact enough.
-bool is_open(const ComparedSurface& surface, const Integrals& integrals, std::size_t f) {
-  const PerMeasure<float>& uncertainties = integrals.uncertainties[f];
-  if (uncertainties == PerMeasure<float>{}) return false;
+/// Whether the first look at a triangle is not exact enough for one of the measures that count.
+bool is_open(const ComparedSurface& surface, const Integrals& integrals, std::size_t f,
+             const PerMeasure<bool>& counts = {true, true, true}) {
+  const PerMeasure<float>& roots = integrals.uncertainties[f];
+  if (roots == PerMeasure<float>{}) return false;
   const PerMeasure<double> tolerances = integrals.tolerances(surface, f);
   for (std::size_t m = 0; m < most_measures; ++m)
-    if (uncertainties[m] > tolerances[m]) return true;
+    if (counts[m] && double(roots[m]) * roots[m] > tolerances[m]) return true;
   return false;
 }
 
@@ -393,15 +406,15 @@ PerMeasure<Sums> sums_of(const ComparedSurface& surface, std::span<const Measure
   const TriangleError error(surface, f, measures);
   const PerMeasure<Sums> rough = look_at(error).sums;
   if (!is_open(surface, integrals, f)) return rough;
-  PerMeasure<Sums> sums = integrate(error, integrals.tolerances(surface, f));
+  PerMeasure<Sums> sums = integrate_triangle(error, integrals.tolerances(surface, f));
   for (std::size_t m = 0; m < measures.size(); ++m) sums[m].see(rough[m]);
   return sums;
 }
 
 /// @param worst  for each of the first measures F' floats, which are set to the worst difference of each
 /// triangle.
-Integrals integrate(const ComparedSurface& surface, std::span<const Measure> measures,
-                    std::span<std::vector<float>* const> worst) {
+Integrals integrate_surface(const ComparedSurface& surface, std::span<const Measure> measures,
+                            std::span<std::vector<float>* const> worst) {
   const std::size_t n = surface.n_triangles();
   Integrals result;
   result.groups.resize((n + group_size - 1) / group_size);
@@ -413,12 +426,12 @@ Integrals integrate(const ComparedSurface& surface, std::span<const Measure> mea
     result.groups[f / group_size].add(sums, area_of(surface.patch(f)));
     for (std::size_t m = 0; m < worst.size(); ++m) (*worst[m])[f] = static_cast<float>(sums[m].worst);
   };
-  parallel_blocks(n, 32 * group_size, [&](std::size_t begin, std::size_t end) {
+  parallel_blocks(n, groups_in_block * group_size, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) {
       if (area_of(surface.patch(f)) == 0) continue;
       const Estimate total = look_at(TriangleError(surface, f, measures));
       for (std::size_t m = 0; m < measures.size(); ++m)
-        result.uncertainties[f][m] = static_cast<float>(total.uncertainties[m]);
+        result.uncertainties[f][m] = static_cast<float>(std::sqrt(total.uncertainties[m]));
       take(f, total.sums);
     }
   });
@@ -431,19 +444,20 @@ Integrals integrate(const ComparedSurface& surface, std::span<const Measure> mea
   previous_totals.fill(std::numeric_limits<double>::infinity());
   for (int round = 0; round < 4; ++round) {
     const Totals totals = total_of(result);
-    bool is_new = false;
+    PerMeasure<bool> is_new{};
     for (std::size_t m = 0; m < measures.size(); ++m) {
-      if (!(totals.square[m] < 0.9 * previous_totals[m])) continue;
-      is_new = true;
+      is_new[m] = totals.square[m] < 0.9 * previous_totals[m];
+      if (!is_new[m]) continue;
       previous_totals[m] = totals.square[m];
       const double n_with_error = std::max(1.0, totals.n_with_error[m]);
-      result.allowed[m] = 4e-4 * totals.square[m] / n_with_error;
-      result.allowed_noise[m] = 1e-4 * totals.square[m] / std::sqrt(n_with_error);
+      result.allowed[m] = std::min(result.allowed[m], 4e-4 * totals.square[m] / n_with_error);
+      result.allowed_noise[m] =
+          std::min(result.allowed_noise[m], 1e-4 * totals.square[m] / std::sqrt(n_with_error));
     }
-    if (!is_new) break;
+    if (is_new == PerMeasure<bool>{}) break;
     parallel_blocks(n, group_size, [&](std::size_t begin, std::size_t end) {
       bool has_open = false;
-      for (std::size_t f = begin; f < end; ++f) has_open |= is_open(surface, result, f);
+      for (std::size_t f = begin; f < end; ++f) has_open |= is_open(surface, result, f, is_new);
       if (!has_open) return;
       result.groups[begin / group_size] = {};
       for (std::size_t f = begin; f < end; ++f) take(f, sums_of(surface, measures, result, f));
@@ -468,10 +482,11 @@ std::vector<SurfacePlace> find_worst(const ComparedSurface& surface, std::span<c
   std::vector<SurfacePlace> places(n_worst);
   parallel_blocks(n_worst, 1, [&](std::size_t i, std::size_t) {
     const std::uint32_t f = order[i];
-    Sums sums = sums_of(surface, measures, integrals, f)[m];
-    if (!(sums.max > 0)) return;
+    if (area_of(surface.patch(f)) == 0) return;
     const TriangleError error(surface, f, measures.subspan(m, 1));
+    Sums sums = look_at(error).sums[0];
     climb(error, sums);
+    if (sums.max < std::abs(triangle_worst[f])) sums.see(sums_of(surface, measures, integrals, f)[m]);
     triangle_worst[f] = static_cast<float>(sums.worst);
     places[i] = {.triangle = f,
                  .source_face = surface.mesh().source_face_of(f),
@@ -480,7 +495,7 @@ std::vector<SurfacePlace> find_worst(const ComparedSurface& surface, std::span<c
                  .error = sums.max,
                  .light = error.worst_light(sums.max_at)};
   });
-  std::erase_if(places, [](const SurfacePlace& place) { return place.error == 0; });
+  std::erase_if(places, [](const SurfacePlace& place) { return !(place.error > 0); });
   std::sort(places.begin(), places.end(), [](const SurfacePlace& a, const SurfacePlace& b) {
     return a.error != b.error ? a.error > b.error : a.triangle < b.triangle;
   });
@@ -491,8 +506,8 @@ std::vector<SurfacePlace> find_worst(const ComparedSurface& surface, std::span<c
 void summarise(const ComparedSurface& surface, std::span<const Measure> measures, std::size_t m,
                const Integrals& integrals, SurfaceError& error) {
   error.worst = find_worst(surface, measures, m, integrals, error.triangle_worst);
-  if (!error.worst.empty()) error.max_sampled = error.worst.front().error;
   const Totals totals = total_of(integrals);
+  error.max_sampled = std::max(totals.max[m], error.worst.empty() ? 0 : error.worst.front().error);
   error.area = totals.area;
   if (!(totals.area > 0)) return;
   error.rmse = std::sqrt(totals.square[m] / totals.area);
@@ -506,7 +521,7 @@ SurfaceError surface_error(const Scene& scene, const BakedColors& baked, ErrorSp
   const ComparedSurface surface(scene, baked);
   const std::array<Measure, 1> measures = {{{baked.colors, space}}};
   SurfaceError result;
-  const Integrals integrals = integrate(surface, measures, std::array{&result.triangle_worst});
+  const Integrals integrals = integrate_surface(surface, measures, std::array{&result.triangle_worst});
   summarise(surface, measures, 0, integrals, result);
   return result;
 }
@@ -522,8 +537,8 @@ SurfaceErrors surface_errors(const Scene& scene, const BakedColors& baked,
                                        {computed, ErrorSpace::linear}}};
   const std::span<const Measure> measures = std::span(all).first(computed == baked.colors ? 2 : 3);
   SurfaceErrors result;
-  const Integrals integrals =
-      integrate(surface, measures, std::array{&result.linear.triangle_worst, &result.display.triangle_worst});
+  const Integrals integrals = integrate_surface(
+      surface, measures, std::array{&result.linear.triangle_worst, &result.display.triangle_worst});
   summarise(surface, measures, 0, integrals, result.linear);
   summarise(surface, measures, 1, integrals, result.display);
   result.computed_rmse = result.linear.rmse;
