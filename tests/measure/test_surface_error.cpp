@@ -111,6 +111,39 @@ TEST(SurfaceError, NoisyTexture_AgreesWithBruteForceInBothSpaces) {
   }
 }
 
+TEST(SurfaceError, TextureThatIsBlackButForASpot_AgreesWithBruteForceOnTwoTriangles) {
+  Scene scene = scene_of(grid(1, 1), {sun({0.2f, 1, 0.1f}), lamp({0.5f, 3, -0.5f})});
+  scene.mesh.texcoords[0].clear();
+  for (const glm::vec3& p : scene.mesh.positions)
+    scene.mesh.texcoords[0].emplace_back(0.5f + p.x / 2, 0.5f + p.z / 2);
+  Image image{64, 64, {}};
+  for (int y = 0; y < 64; ++y)
+    for (int x = 0; x < 64; ++x)
+      image.pixels.emplace_back(glm::vec3(x >= 12 && x < 20 && y >= 37 && y < 45 ? 1 : 0), 1.0f);
+  scene.images.push_back(image);
+  scene.textures.emplace_back();
+  scene.materials[0].base_color_texture = 0;
+  const BakedColors baked = bake(scene, {});
+  const Truth truth = brute_force(scene, baked, ErrorSpace::linear, 1000);
+  const SurfaceError error = surface_error(scene, baked, ErrorSpace::linear);
+  EXPECT_GT(truth.rmse, 1e-4);
+  EXPECT_NEAR(error.rmse, truth.rmse, 0.01 * truth.rmse);
+  EXPECT_NEAR(error.max_sampled, truth.max, 0.01 * truth.max);
+}
+
+TEST(SurfaceError, LightOfAnyStrength_HasErrorsThatFollowIt) {
+  const auto error_of = [](float strength) {
+    const Scene scene = scene_of(icosphere(2), {sun({0.4f, 1, 0.3f}, {strength, strength, strength})});
+    return surface_error(scene, bake(scene, {}), ErrorSpace::linear);
+  };
+  const SurfaceError one = error_of(1);
+  for (const float strength : {0x1p-90f, 0x1p+90f}) {
+    const SurfaceError other = error_of(strength);
+    EXPECT_DOUBLE_EQ(other.rmse, one.rmse * strength);
+    EXPECT_DOUBLE_EQ(other.max_sampled, one.max_sampled * strength);
+  }
+}
+
 TEST(SurfaceErrors, StoredCoarsely_AgreeWithOneByOne) {
   for (const NamedScene& s : small_scenes()) {
     SCOPED_TRACE(s.name);
