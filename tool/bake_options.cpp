@@ -63,10 +63,14 @@ void tell_unheeded(const BakeMethodOptions& options, Console& console) {
                                fmt::join(option.methods, " and ")));
 }
 
-double parse_tolerance(const std::string& text) {
+double parse_tolerance(const std::string& text, ErrorSpace space) {
   const double value = parse_quotient("--tolerance", text);
   if (!(value > 0))
     throw InvalidOption(fmt::format("--tolerance: expected a number above 0, found \"{}\"", text));
+  if (space == ErrorSpace::display && value > 1)
+    throw InvalidOption(
+        fmt::format("--tolerance: expected at most 1, where the brightest is 1, found {} (in steps: {}/255)",
+                    value, value));
   return value;
 }
 
@@ -121,8 +125,8 @@ BakeOptions bake_options(const BakeMethodOptions& options, Console& console) {
   if (std::isnan(options.light_tolerance)) throw InvalidOption("--light-tolerance: expected a number");
   BakeOptions result;
   result.method = method_named(options.method);
-  result.tolerance = parse_tolerance(options.tolerance);
   result.tolerance_space = options.tolerance_space == "linear" ? ErrorSpace::linear : ErrorSpace::display;
+  result.tolerance = parse_tolerance(options.tolerance, result.tolerance_space);
   result.max_vertices = options.max_vertices;
   result.max_seconds = options.max_seconds;
   result.gradient_weight = options.gradient_weight;

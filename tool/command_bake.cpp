@@ -23,15 +23,14 @@ struct BakeCommand {
 
 /// What is certified, and for auto what was chosen.
 void print_verdict(const BakeCommand& command, const BakedScene& result) {
+  const std::string of = command.outputs.size() > 1 ? command.outputs.front() + ", " : "";
   if (result.selection)
-    print_result("{}\n", result.selection->sentence);
+    print_result("{}{}\n", of, result.selection->sentence);
   else if (const std::optional<Certificate>& c = result.baked.certificate)
-    print_result("{}{}: {} from per-pixel lighting anywhere\n",
-                 command.outputs.size() > 1 ? command.outputs.front() + ", " : "",
-                 c->is_certified ? "certified" : "not certified",
-                 std::isfinite(c->max_bound)
-                     ? fmt::format("at most {}/255", upper_bound_text(c->max_bound * 255))
-                     : "no bound to how far it is");
+    print_result(
+        "{}{}: {} from per-pixel lighting anywhere\n", of, c->is_certified ? "certified" : "not certified",
+        std::isfinite(c->max_bound) ? fmt::format("at most {}/255", upper_bound_text(c->max_bound * 255))
+                                    : "no bound to how far it is");
 }
 
 int bake_and_write(const BakeCommand& command) {
@@ -71,7 +70,7 @@ int bake_and_write(const BakeCommand& command) {
     WrittenColors written = write_baked(path, loaded.file, baked, command.output);
     const std::string& first = command.outputs.front();
     const auto is_ply = [](const std::string& name) { return file_extension(name) == "ply"; };
-    if (baked.certificate && is_ply(path) != is_ply(first))
+    if ((baked.certificate || result.selection) && is_ply(path) != is_ply(first))
       add_finding(written.findings, "certificate_of_another_file", 1,
                   "output stores colours otherwise than the first: the certificate is of " + first +
                       ", not of " + path);

@@ -138,8 +138,16 @@ void apply_exposure(float stops, Scene& scene) {
   if (!std::isfinite(stops) || std::abs(stops) > 64)
     throw InvalidOption(fmt::format("--exposure: expected stops in [-64, 64], found {}", stops));
   const float scale = std::exp2(stops);
-  for (Light& light : scene.lights) light.intensity = light.intensity * scale;
-  for (Material& material : scene.materials) material.emission = material.emission * scale;
+  bool is_held = true;
+  const auto expose = [&](LinearRgb& color) {
+    color = color * scale;
+    is_held &= is_finite(color);
+  };
+  for (Light& light : scene.lights) expose(light.intensity);
+  for (Material& material : scene.materials) expose(material.emission);
+  if (!is_held)
+    throw InvalidOption(
+        fmt::format("--exposure: expected light that a float holds, found more at {} stops", stops));
 }
 
 void make_normals(const SceneOptions& options, bool is_flat, LoadedScene& loaded) {

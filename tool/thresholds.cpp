@@ -3,7 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
+#include <string_view>
+#include <system_error>
 
 #include "console.h"
 #include "lambake/core/error.h"
@@ -20,13 +23,29 @@ Threshold parse_threshold(const std::string& text) {
   return {text.substr(0, equals), parse_quotient("--fail-above", text.substr(equals + 1))};
 }
 
+/// Whether null stands for infinity, which JSON does not have, rather than for nothing.
+bool can_be_infinite(const std::string& path) {
+  return path.starts_with("surface.") || path.starts_with("trials.");
+}
+
 /// The number that a path names, or null if there is none.
-const nlohmann::ordered_json* find_number(const nlohmann::ordered_json& report, std::string path) {
-  std::replace(path.begin(), path.end(), '.', '/');
-  const nlohmann::ordered_json::json_pointer pointer("/" + path);
-  if (!report.contains(pointer)) return nullptr;
-  const auto& value = report[pointer];
-  return value.is_number() || value.is_null() ? &value : nullptr;
+const nlohmann::ordered_json* find_number(const nlohmann::ordered_json& report, const std::string& path) {
+  const nlohmann::ordered_json* value = &report;
+  for (std::size_t begin = 0; begin <= path.size();) {
+    const std::size_t end = std::min(path.find('.', begin), path.size());
+    const std::string_view name = std::string_view(path).substr(begin, end - begin);
+    std::size_t i = 0;
+    if (value->is_object() && value->contains(name))
+      value = &value->at(name);
+    else if (value->is_array() &&
+             std::from_chars(name.data(), name.data() + name.size(), i).ec == std::errc() &&
+             i < value->size())
+      value = &value->at(i);
+    else
+      return nullptr;
+    begin = end + 1;
+  }
+  return value->is_number() || (value->is_null() && can_be_infinite(path)) ? value : nullptr;
 }
 
 /// Errors on screen lie in [0,1]: a larger threshold was meant in steps of 1/255.
@@ -48,6 +67,7 @@ nlohmann::ordered_json fullest_report() {
   all.surface_display.worst.resize(1);
   all.light_shares.resize(1);
   all.trials.resize(1);
+  all.shares.clipping = all.shares.quantisation = 0;
   return nlohmann::ordered_json::parse(report_json(all));
 }
 
@@ -61,6 +81,8 @@ std::vector<Threshold> parse_thresholds(const std::vector<std::string>& texts) {
     const std::string on_screen = "image.display." + threshold.metric;
     if (threshold.metric.find('.') == std::string::npos && find_number(report, on_screen) != nullptr)
       threshold.metric = on_screen;
+    if (threshold.metric.ends_with("psnr_db"))
+      throw InvalidOption("--fail-above psnr_db: expected an error; more of this is better, take rmse");
     if (find_number(report, threshold.metric) == nullptr) fail_without(threshold.metric);
     if (threshold.value > 1 && is_error_on_screen(threshold.metric))
       throw InvalidOption(
@@ -83,7 +105,8 @@ int check_thresholds(const std::vector<Threshold>& thresholds, const nlohmann::o
       exit_code = 1;
       continue;
     }
-    const double found = value->is_null() ? INFINITY : value->get<double>();  // JSON has no infinity: null.
+    double found = value->is_null() ? INFINITY : value->get<double>();
+    if (threshold.metric.ends_with(".mean")) found = std::abs(found);  // Too dark is as bad as too bright.
     if (!(found > threshold.value)) continue;
     print_error(fmt::format("lambake: {} is {}, above {}\n", threshold.metric, found, threshold.value));
     exit_code = 1;

@@ -55,6 +55,26 @@ BakedColors bake_adaptively(const Scene& scene, double tolerance = 1.0 / 255,
   return bake(scene, {.method = BakeMethod::adaptive, .tolerance = tolerance, .tolerance_space = space});
 }
 
+TEST(Adaptive, FanOfFlatFacets_TakesOfTheRoomForVerticesWhatItMakes) {
+  // Each facet has a copy of the apex: a cut of all ridges makes two vertices each, not one for each pair.
+  constexpr unsigned n = 400;
+  Mesh mesh;
+  for (unsigned i = 0; i < n; ++i) {
+    const auto rim = [&](unsigned k) {
+      const float angle = 6.2831853f * static_cast<float>(k % n) / n;
+      return glm::vec3(std::cos(angle), 0, -std::sin(angle));
+    };
+    const std::uint32_t first = 3 * i;
+    for (const glm::vec3& p : {glm::vec3(0, 0.7f, 0), rim(i), rim(i + 1)}) mesh.positions.push_back(p);
+    const glm::vec3* const p = &mesh.positions[first];
+    mesh.normals.insert(mesh.normals.end(), 3, glm::normalize(glm::cross(p[1] - p[0], p[2] - p[0])));
+    mesh.triangles.emplace_back(first, first + 1, first + 2);
+  }
+  const BakedColors baked = bake_adaptively(scene_of(mesh, {lamp({0.5f, 1.2f, 0})}));
+  EXPECT_TRUE(baked.certificate->is_certified) << 255 * baked.certificate->max_bound;
+  EXPECT_LT(baked.mesh->n_vertices(), 20000U);
+}
+
 TEST(Adaptive, SmallScenes_AreCertifiedAndMeasuredWithinTheTolerance) {
   for (const NamedScene& s : small_scenes()) {
     SCOPED_TRACE(s.name);

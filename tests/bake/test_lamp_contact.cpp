@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <string>
 
 #include "lambake/bake/bake.h"
@@ -41,6 +42,13 @@ TEST(LampContact, VerticesExactlyOnLamps_AreCounted_AndGetTheOtherLights) {
   EXPECT_EQ(count_of(baked, "points_on_a_lamp"), 2U);
   EXPECT_EQ(count_of(baked, "points_too_bright"), 0U);
   EXPECT_EQ(baked.colors[3], (LinearRgb{1, 1, 1}));
+}
+
+TEST(LampContact, VertexThatIsNowhere_LiesOnNoLamp) {
+  Mesh mesh = grid(2, 1);
+  mesh.positions.emplace_back(NAN, NAN, NAN);
+  mesh.texcoords = {};
+  EXPECT_EQ(count_of(bake(scene_of(mesh, {lamp({5, 6, 7}, 2)}), {}), "points_on_a_lamp"), 0U);
 }
 
 TEST(LampContact, SoCloseThatFloatOverflows_IsCounted_FiniteAndWithoutThatLamp) {

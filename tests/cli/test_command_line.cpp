@@ -171,6 +171,8 @@ TEST(CommandLine, Usage_WrongOptions_ExitWith2AndOneLine) {
                                 "compare in.off -o c --views 3 --eye 1,2,3",
                                 "compare in.off -o c --fail-above rmse=x",
                                 "bake in.off -o a.glb --tolerance 0",
+                                "bake in.off -o a.glb --method adaptive --tolerance 3",
+                                "bake in.off -o a.glb --sun 0,0,1,1e30,1e30,1e30 --exposure 64",
                                 "bake in.off -o a.glb --attribute light",
                                 "frobnicate in.off",
                                 "bake in.off -o a.glb --no-such-option"}) {
@@ -238,7 +240,13 @@ TEST(CommandLine, Compare_Thresholds_DecideTheExitCode) {
   // Numbers that only some reports have, and such beside the picture's.
   for (const char* metric : {"surface.display.max_bound=0.001", "worst.0.error=0.001", "vertices=5"})
     EXPECT_EQ(run_tool(folder, compare + "--fail-above " + metric).exit_code, 1) << metric;
-  EXPECT_EQ(run_tool(folder, compare + "--fail-above nonsense=1").exit_code, 2);
+  EXPECT_EQ(run_tool(folder, compare + "--method face --fail-above mean=0.00001").exit_code, 1);
+  for (const char* metric : {"nonsense=1", "a~b=1", "worst.99999999999999999999.error=1", "surface=1",
+                             "image.display.=1", "max_at=1", "psnr_db=30", "image.linear.psnr_db=30"})
+    EXPECT_EQ(run_tool(folder, compare + "--fail-above " + metric).exit_code, 2) << metric;
+  // Shares that a certified mesh has not are not above anything.
+  EXPECT_EQ(run_tool(folder, compare + "--method adaptive --fail-above error_shares.clipping=0.5").exit_code,
+            2);
 }
 
 TEST(CommandLine, FileThatCannotHoldWhatIsCertified_IsNotCertifiedByAnyCommand) {
@@ -367,6 +375,10 @@ TEST(CommandLine, CertificateOfTheFirstOutput_IsNotThatOfAnotherFormat) {
             std::string::npos);
   EXPECT_EQ(run_tool(folder, bake + "-o a.glb -o b.glb").out.find("certificate_of_another_file"),
             std::string::npos);
+  // What auto says is of the first as well, whichever method it takes.
+  const std::string choose = "bake in.off --sun 0,0,1 --method auto --tolerance 0.9 --json ";
+  EXPECT_NE(run_tool(folder, choose + "-o a.glb -o a.ply").out.find("certificate_of_another_file"),
+            std::string::npos);
 }
 
 TEST(CommandLine, GltfInTheWayOfItsSourcesBuffer_IsRefused) {
@@ -379,7 +391,7 @@ TEST(CommandLine, GltfInTheWayOfItsSourcesBuffer_IsRefused) {
   EXPECT_EQ(refused.exit_code, 2);
   EXPECT_NE(refused.err.find("a.bin"), std::string::npos) << refused.err;
   EXPECT_EQ(run_tool(folder, "bake c.gltf -o a.GLTF --quiet").exit_code, 2);
-  EXPECT_EQ(run_tool(folder, "bake c.gltf -o c.gltf").exit_code, 0);
+  EXPECT_EQ(run_tool(folder, "bake c.gltf -o b.gltf").exit_code, 0);
 }
 
 TEST(CommandLine, WhereNothingIsLit_ItSaysSo) {

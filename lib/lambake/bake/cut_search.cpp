@@ -1,8 +1,11 @@
 #include "lambake/bake/cut_search.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <numeric>
 #include <tuple>
+#include <utility>
 
 #include "lambake/bake/vanishing_normals.h"
 #include "lambake/core/bounds.h"
@@ -109,21 +112,43 @@ void CutSearch::add_candidates(std::uint32_t triangle, double level, bool is_tho
   }
 }
 
+/// How many vertices each of them makes: one for each pair of copies of its ends that has a side.
+std::vector<std::size_t> CutSearch::vertices_made(const std::vector<Candidate>& candidates) const {
+  std::vector<std::uint32_t> order(candidates.size());
+  std::iota(order.begin(), order.end(), 0U);
+  const auto ends = [&](std::uint32_t i) { return std::pair(candidates[i].low, candidates[i].high); };
+  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return ends(a) < ends(b); });
+  std::vector<std::array<std::uint32_t, 3>> pairs;  // The candidate, its low and its high vertex.
+  for (const glm::uvec3& t : cut_.mesh().triangles)
+    for (int k = 0; k < 3; ++k) {
+      std::uint32_t low = t[k], high = t[(k + 1) % 3];
+      if (cut_.places()[low] > cut_.places()[high]) std::swap(low, high);
+      const std::pair places(cut_.places()[low], cut_.places()[high]);
+      const auto found = std::lower_bound(order.begin(), order.end(), places,
+                                          [&](std::uint32_t i, const auto& of) { return ends(i) < of; });
+      if (found != order.end() && ends(*found) == places) pairs.push_back({*found, low, high});
+    }
+  std::sort(pairs.begin(), pairs.end());
+  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  std::vector<std::size_t> counts(candidates.size(), 0);
+  for (const auto& pair : pairs) ++counts[pair[0]];
+  return counts;
+}
+
 /// The worst of them, if there may not be vertices for all.
 void CutSearch::keep_what_has_room(std::vector<Candidate>& candidates) {
-  // A mark makes a vertex for each pair of copies of its ends that has a side, so at most for all pairs.
-  const std::vector<std::uint32_t> copies = copies_of_places(cut_);
-  const auto n_made = [&](const Candidate& c) { return std::size_t(copies[c.low]) * copies[c.high]; };
   const std::size_t n = cut_.mesh().n_vertices(), room = max_vertices_ > n ? max_vertices_ - n : 0;
-  std::size_t n_all = 0;
-  for (const Candidate& c : candidates) n_all += n_made(c);
-  if (n_all <= room) return;
-  has_room_ = false;
+  // At most one for each pair of copies: most often there is room for these.
+  const std::vector<std::uint32_t> copies = copies_of_places(cut_);
+  std::size_t n_most = 0;
+  for (const Candidate& c : candidates) n_most += std::size_t(copies[c.low]) * copies[c.high];
+  if (n_most <= room) return;
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const Candidate& x, const Candidate& y) { return x.error > y.error; });
+  const std::vector<std::size_t> n_made = vertices_made(candidates);
   std::size_t n_kept = 0, n_taken = 0;
-  while (n_kept < candidates.size() && n_taken + n_made(candidates[n_kept]) <= room)
-    n_taken += n_made(candidates[n_kept++]);
+  while (n_kept < candidates.size() && n_taken + n_made[n_kept] <= room) n_taken += n_made[n_kept++];
+  has_room_ = n_kept == candidates.size();
   candidates.resize(n_kept);
 }
 

@@ -42,6 +42,7 @@ class CutSearch {
   };
   void add_candidates(std::uint32_t triangle, double level, bool is_thorough,
                       std::vector<Candidate>& candidates) const;
+  std::vector<std::size_t> vertices_made(const std::vector<Candidate>& candidates) const;
   void keep_what_has_room(std::vector<Candidate>& candidates);
   double bend(std::uint32_t a, std::uint32_t b) const;
 

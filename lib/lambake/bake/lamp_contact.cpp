@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <tuple>
 
+#include "lambake/core/bounds.h"
 #include "lambake/core/parallel.h"
 #include "lambake/shading/lambert.h"
 
@@ -48,7 +49,8 @@ Findings tend_lamp_contacts(std::span<const Light> lights, std::span<const glm::
   parallel_blocks(positions.size(), block_size, [&](std::size_t begin, std::size_t end) {
     Counts& counts = blocks[begin / block_size];
     for (std::size_t v = begin; v < end; ++v) {
-      counts.on_lamp += std::binary_search(lamps.begin(), lamps.end(), positions[v], is_before);
+      counts.on_lamp +=
+          is_finite(positions[v]) && std::binary_search(lamps.begin(), lamps.end(), positions[v], is_before);
       if (is_finite(colors[v])) continue;
       ++counts.overflowed;
       const LinearRgb e = finite_irradiance(lights, positions[v], normals[v]);

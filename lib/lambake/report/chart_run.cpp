@@ -142,7 +142,8 @@ std::optional<MethodRun> measure_method(const Scene& scene, const Variant& varia
   run.rmse = error.rmse;
   run.max_sampled = error.max_sampled;
   // An error that is known to be there needs no closer look.
-  run.max_bound = certified_maximum(scene, baked, ErrorSpace::display, error.max_sampled);
+  run.max_bound = bound_in_output(scene, output, ErrorSpace::display,
+                                  certified_maximum(scene, baked, ErrorSpace::display, error.max_sampled));
   return run;
 }
 

@@ -315,6 +315,26 @@ TEST(GltfScene, IndicesThatAreAllZero_NeedNoView) {
   EXPECT_EQ(mesh.triangles, (std::vector<glm::uvec3>(2, {0, 0, 0})));
 }
 
+TEST(GltfScene, NodesThatAnAnimationMoves_AreToldWithThoseBelowThem) {
+  // The wheels turn; their nodes hang below those of the body, which does not move.
+  const std::string truck = meshes_folder() + "gltf/CesiumMilkTruck.glb";
+  EXPECT_EQ(count_of(read_gltf_file(truck, {}).findings, "animated_nodes"), 2U);
+  const auto of_path = [](const std::string& path) {
+    GltfBuilder builder;
+    builder.add_primitive(builder.square());
+    const std::size_t times = builder.add_floats("SCALAR", 2, {0, 1}),
+                      values = builder.add_floats("VEC3", 2, {0, 0, 0, 1, 0, 0});
+    builder.json["nodes"] = {{{"children", {1, 2}}}, {{"mesh", 0}}, {{"mesh", 0}}, {{"mesh", 0}}};
+    builder.json["scenes"][0]["nodes"] = {0, 3};
+    builder.json["animations"] = {
+        {{"samplers", {{{"input", times}, {"output", values}}}},
+         {"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", path}}}}}}}};
+    return count_of(read_lit(builder.write()).findings, "animated_nodes");
+  };
+  EXPECT_EQ(of_path("translation"), 2U);
+  EXPECT_EQ(of_path("weights"), 0U);
+}
+
 TEST(GltfScene, ColoursOutOfRange_AreClampedAndCounted) {
   GltfBuilder builder;
   ordered_json square = builder.square();

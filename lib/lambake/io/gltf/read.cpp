@@ -266,6 +266,26 @@ class SceneReader {
     if (is_identity) mesh.source_vertices.clear();
   }
 
+  /// Nodes of the scene with a mesh that an animation moves, with a node above them or by themselves.
+  std::size_t n_animated() const {
+    std::vector<char> is_moved(model().nodes.size(), 0);
+    std::vector<std::size_t> open;
+    for (const tinygltf::Animation& animation : model().animations)
+      for (const tinygltf::AnimationChannel& channel : animation.channels)
+        if (channel.target_path != "weights" && channel.target_node >= 0 &&
+            index_of(channel.target_node) < is_moved.size())
+          open.push_back(index_of(channel.target_node));
+    while (!open.empty()) {
+      const std::size_t n = open.back();
+      open.pop_back();
+      if (std::exchange(is_moved[n], 1) != 0) continue;
+      for (const int child : model().nodes[n].children) open.push_back(index_of(child));
+    }
+    return static_cast<std::size_t>(std::count_if(nodes_.begin(), nodes_.end(), [&](std::size_t n) {
+      return is_moved[n] != 0 && model().nodes[n].mesh >= 0 && model().nodes[n].skin < 0;
+    }));
+  }
+
   std::size_t n_rotations_not_unit() const {
     std::size_t n = 0;
     for (const tinygltf::Node& node : model().nodes) {
@@ -308,6 +328,9 @@ class SceneReader {
                 "white instead, or (0,0) where others of the material have some, and viewers differ");
     add_finding(findings_, "skinned_nodes", n_skinned_,
                 "node[ is|s are] skinned; baked in the pose of the file");
+    add_finding(findings_, "animated_nodes", n_animated(),
+                "node[ with a mesh is|s with meshes are] moved by an animation; baked where [it is|they are] "
+                "in the file, and the light moves with [it|them]");
     add_finding(findings_, "morphed_nodes", n_morphed_,
                 "node[ has|s have] morph targets; baked with the weights of the file");
     add_finding(findings_, "light_units", scene_.lights.size(),
