@@ -74,6 +74,31 @@ double parse_tolerance(const std::string& text, ErrorSpace space) {
   return value;
 }
 
+/// Tells where nothing of all that could be lit will be seen.
+void tell_darkness(const Scene& scene, BakedColors& baked) {
+  constexpr float visible = 0.5f / 255 / 12.92f;  // Half a step of the screen.
+  const Mesh& mesh = mesh_of(scene, baked);
+  const std::vector<std::uint32_t> materials = vertex_materials(mesh);
+  float brightest = 0;
+  std::size_t n_lit = 0;
+  for (std::size_t v = 0; v < materials.size(); ++v) {
+    const Material& material = scene.materials[materials[v]];
+    if (material.is_unlit) return;
+    const LinearRgb shown = material.base_color * baked.colors[v] + material.emission;
+    brightest = std::max({brightest, shown.r, shown.g, shown.b});
+    ++n_lit;
+  }
+  if (n_lit == 0 || scene.lights.empty() || !(brightest < visible)) return;
+  add_finding(
+      baked.findings, "too_dark_to_see", n_lit,
+      brightest > 0
+          ? fmt::format("vert[ex is|ices are all] too dark to be seen: the brightest has {:.1g} of white; "
+                        "a lamp fades with the square of the distance, --exposure brightens",
+                        brightest)
+          : "vert[ex is|ices are all] black: the lights are behind the surface, inside of it or out of "
+            "reach");
+}
+
 }  // namespace
 
 void add_bake_options(CLI::App& command, BakeMethodOptions& options) {
@@ -148,6 +173,7 @@ BakedScene bake_scene(const Scene& scene, const BakeMethodOptions& options, Bake
   } else {
     result.baked = bake(scene, how);
   }
+  tell_darkness(scene, result.baked);
   return result;
 }
 

@@ -401,6 +401,12 @@ TEST(CommandLine, WhereNothingIsLit_ItSaysSo) {
   EXPECT_NE(run_tool(folder, "bake in.off --lights none.json -o a.glb").err.find("no light at all"),
             std::string::npos);
   EXPECT_NE(run_tool(folder, "bake a.glb -o b.glb").err.find("every material is unlit"), std::string::npos);
+  EXPECT_NE(run_tool(folder, "bake in.off --lamp 0,0,0 -o a.glb").err.find("vertices are all black"),
+            std::string::npos);
+  EXPECT_NE(run_tool(folder, "bake in.off --lamp 0,0,1000 -o a.glb").err.find("the brightest has 1e-06"),
+            std::string::npos);
+  EXPECT_EQ(run_tool(folder, "bake in.off --lamp 0,0,1000 --exposure 16 -o a.glb").err.find("dark"),
+            std::string::npos);
   EXPECT_EQ(run_tool(folder, "compare in.off -o ''").exit_code, 2);
 }
 

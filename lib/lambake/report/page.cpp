@@ -174,12 +174,14 @@ std::string worst_section(const Comparison& c) {
     const auto number = [&](double x) { return short_number(std::abs(x) < 1e-9 * glm::length(v) ? 0 : x); };
     return fmt::format("{}, {}, {}", number(v.x), number(v.y), number(v.z));
   };
+  const double size = std::sqrt(c.surface_display.area);
   std::vector<std::vector<std::string>> rows;
   for (std::size_t i = 0; i < worst.size(); ++i) {
     const SurfacePlace& place = worst[i];
     // The faces on both sides of an edge meet the same place.
     const auto is_here = [&](const SurfacePlace& other) {
-      return glm::distance(other.position, place.position) <= 1e-6 * glm::length(place.position);
+      return glm::distance(other.position, place.position) <=
+             1e-6 * size + 1e-14 * glm::length(place.position);
     };
     if (std::any_of(worst.begin(), worst.begin() + static_cast<std::ptrdiff_t>(i), is_here)) continue;
     std::string faces = grouped(place.source_face);
@@ -237,9 +239,8 @@ std::string findings_section(const Comparison& c) {
   if (c.seen_from_behind > 0)
     items += fmt::format("<li>{} the side of a face that its normal is not on</li>\n",
                          count_of(c.seen_from_behind, "pixel shows", "pixels show"));
-  return section_begin("findings", "What was counted on reading") +
-         (items.empty() ? "<p>Nothing: the file is sound.</p>\n"
-                        : "<ul class=\"plain\">\n" + items + "</ul>\n") +
+  return section_begin("findings", "What was noticed") +
+         (items.empty() ? "<p>Nothing odd.</p>\n" : "<ul class=\"plain\">\n" + items + "</ul>\n") +
          "</section>\n";
 }
 
