@@ -84,6 +84,7 @@ void tell_darkness(const Scene& scene, BakedColors& baked) {
   for (std::size_t v = 0; v < materials.size(); ++v) {
     const Material& material = scene.materials[materials[v]];
     if (material.is_unlit) return;
+    if (!mesh.normals.empty() && mesh.normals[v] == glm::vec3(0)) continue;  // That is told already.
     const LinearRgb shown = material.base_color * baked.colors[v] + material.emission;
     brightest = std::max({brightest, shown.r, shown.g, shown.b});
     ++n_lit;

@@ -297,6 +297,7 @@ TEST(CommandLine, ClosedAndFullStreams_AreNoFaultOfOurs) {
   EXPECT_TRUE(std::filesystem::exists(folder / "a.glb"));
   EXPECT_EQ(exit_code("info in.off >&- 2>&-"), 0);
   EXPECT_EQ(exit_code("info in.off --json >/dev/full"), 3);
+  EXPECT_EQ(exit_code("bake --help >/dev/full"), 3);
   EXPECT_EQ(exit_code("bake in.off -o b.glb --json >/dev/full"), 3);
   EXPECT_EQ(exit_code("bake in.off -o c.glb 2>/dev/full"), 0);  // With a note: no light given.
   EXPECT_EQ(exit_code("info none.off 2>/dev/full"), 3);

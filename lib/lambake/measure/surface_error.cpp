@@ -485,8 +485,10 @@ std::vector<SurfacePlace> find_worst(const ComparedSurface& surface, std::span<c
     if (area_of(surface.patch(f)) == 0) return;
     const TriangleError error(surface, f, measures.subspan(m, 1));
     Sums sums = look_at(error).sums[0];
+    // In float, as it was recorded.
+    if (static_cast<float>(sums.max) < std::abs(triangle_worst[f]))
+      sums = sums_of(surface, measures, integrals, f)[m];
     climb(error, sums);
-    if (sums.max < std::abs(triangle_worst[f])) sums.see(sums_of(surface, measures, integrals, f)[m]);
     triangle_worst[f] = static_cast<float>(sums.worst);
     places[i] = {.triangle = f,
                  .source_face = surface.mesh().source_face_of(f),
