@@ -96,8 +96,8 @@ void tell_darkness(const Scene& scene, BakedColors& baked) {
           ? fmt::format("vert[ex is|ices are all] too dark to be seen: the brightest has {:.1g} of white; "
                         "a lamp fades with the square of the distance, --exposure brightens",
                         brightest)
-          : "vert[ex is|ices are all] black: the lights are behind the surface, inside of it or out of "
-            "reach");
+          : "vert[ex is|ices are all] black: the lights are behind the surface, inside of it, out of "
+            "reach, or shine between the vertices");
 }
 
 }  // namespace

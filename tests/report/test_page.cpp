@@ -64,6 +64,11 @@ TEST(ReportPage, Headline_SaysWhatTheNumbersSay) {
 
   c.verdict = "A & B";
   EXPECT_EQ(headline(c), "A &amp; B.");
+
+  c.findings.push_back({"too_dark_to_see", 8, "vertices are all black"});
+  EXPECT_NE(headline(c).find("Nothing is to be seen"), std::string::npos) << headline(c);
+  c.surface_display.max_sampled = 0.5;  // Light that falls between the vertices is seen per pixel.
+  EXPECT_EQ(headline(c).find("Nothing is to be seen"), std::string::npos) << headline(c);
 }
 
 TEST(ReportPage, EqualPictures_HaveNoZooms_AndSayEqual) {

@@ -21,14 +21,18 @@ double share_over_1_255(const ImageError& image) {
 
 /// The sentence that the page opens with, from the numbers on screen.
 std::string verdict(const Comparison& c) {
+  constexpr double visible = 1.0 / 255;
+  const ImageError& image = c.image_display;
+  const double largest = std::max(image.max, c.surface_display.max_sampled);
+  const bool is_dark = std::any_of(c.findings.begin(), c.findings.end(),
+                                   [](const Finding& finding) { return finding.code == "too_dark_to_see"; });
+  if (is_dark && largest <= visible)
+    return "Nothing is to be seen, so nothing differs: all of it is too dark for a screen.";
   if (!c.verdict.empty()) {
     std::string sentence = c.verdict + ".";
     sentence[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(sentence[0])));
     return sentence;
   }
-  constexpr double visible = 1.0 / 255;
-  const ImageError& image = c.image_display;
-  const double largest = std::max(image.max, c.surface_display.max_sampled);
   if (c.max_bound_display && *c.max_bound_display <= visible)
     return fmt::format(
         "Per-vertex lighting is enough: nowhere on the surface is it more than {} away from "
