@@ -27,6 +27,7 @@ int chart_and_write(const ChartCommand& command, const std::string& command_line
   Console console(command.scene.quiet);
   Stopwatch stopwatch;
   check_output_folder(command.folder);
+  check_camera_options(command.camera);
   const LoadedScene loaded = load_scene(command.scene, console, stopwatch);
   console.stage("measuring");
   ChartRun run =

@@ -45,12 +45,9 @@ void compare_views(const CompareCommand& command, const Scene& scene, const Bake
                    Console& console, Comparison& comparison) {
   const glm::uvec2 size = picture_size(command.camera);
   std::vector<Camera> cameras = {choose_camera(command.camera, scene, size)};
-  if (command.n_views > 1) {
-    if (!command.camera.eye.empty() || !command.camera.camera.empty())
-      throw InvalidOption("--views: expected no --eye or --camera with it, as the views go around the model");
+  if (command.n_views > 1)
     cameras = frame_around(scene.mesh.positions, static_cast<float>(size.x) / static_cast<float>(size.y),
                            command.n_views);
-  }
   console.stage("pictures");
   const Progress progress = console.progress();
   std::vector<ImageError> linear, display;
@@ -90,7 +87,9 @@ void check_outputs(const CompareCommand& command) {
   check_output_folder(command.folder);
   for (const char* name : {"lit.glb", "lit.ply", "surface_error.ply"})
     check_keeps_input(command.scene, std::filesystem::path(command.folder) / name, command.folder);
-  picture_size(command.camera);
+  check_camera_options(command.camera);
+  if (command.n_views > 1 && (!command.camera.eye.empty() || !command.camera.camera.empty()))
+    throw InvalidOption("--views: expected no --eye or --camera with it, as the views go around the model");
   check_baked_path("lit.glb", command.output);
 }
 
@@ -197,6 +196,8 @@ int compare_and_write(const CompareCommand& command, const std::string& command_
   const LoadedScene loaded = load_scene(command.scene, console, stopwatch);
   const Scene& scene = loaded.file.scene;
   check_levels(command.method, "lit.glb", loaded.file);
+  choose_camera(command.camera, scene,
+                picture_size(command.camera));  // Before the work: it may not be there.
   console.stage("baking");
   const ColorOutput output = output_of("lit.glb", loaded.file, command.output);
   BakedScene result = bake_scene(scene, command.method, how, console, output);

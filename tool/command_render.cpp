@@ -30,6 +30,7 @@ void check_picture_path(const std::string& path) {
 int render_and_write(const RenderCommand& command) {
   Console console(command.scene.quiet);
   Stopwatch stopwatch;
+  check_camera_options(command.camera);
   const glm::uvec2 size = picture_size(command.camera);
   for (const std::string& path : command.outputs) check_picture_path(path);
   check_distinct(command.outputs);

@@ -333,12 +333,23 @@ glm::uvec2 picture_size(const CameraOptions& options) {
   return {*width, *height};
 }
 
+void check_camera_options(const CameraOptions& options) {
+  picture_size(options);
+  const bool has_place = !options.eye.empty(), has_more = !options.target.empty() || options.fov_deg;
+  if (!options.camera.empty() && (has_place || has_more))
+    throw InvalidOption("--camera: expected no --eye, --target or --fov-deg with it");
+  if (has_more && !has_place) throw InvalidOption("--target, --fov-deg: expected --eye with them");
+  if (has_place) parse_numbers("--eye", options.eye, 3, 3);
+  if (!options.target.empty()) parse_numbers("--target", options.target, 3, 3);
+  if (options.fov_deg && !(*options.fov_deg > 0 && *options.fov_deg < 180))
+    throw InvalidOption(
+        fmt::format("--fov-deg: expected an angle above 0 and below 180, found {}", *options.fov_deg));
+}
+
 Camera choose_camera(const CameraOptions& options, const Scene& scene, const glm::uvec2& size) {
   const float aspect = static_cast<float>(size.x) / static_cast<float>(size.y);
   const Bounds bounds = bounds_of(scene.mesh.positions);
   if (!options.camera.empty()) {
-    if (!options.eye.empty() || !options.target.empty() || options.fov_deg)
-      throw InvalidOption("--camera: expected no --eye, --target or --fov-deg with it");
     for (const Camera& camera : scene.cameras)
       if (camera.name == options.camera) return camera;
     const std::optional<std::size_t> number = number_of<std::size_t>(options.camera);
@@ -356,15 +367,10 @@ Camera choose_camera(const CameraOptions& options, const Scene& scene, const glm
       const std::vector<float> t = parse_numbers("--target", options.target, 3, 3);
       target = {t[0], t[1], t[2]};
     }
-    if (options.fov_deg && !(*options.fov_deg > 0 && *options.fov_deg < 180))
-      throw InvalidOption(
-          fmt::format("--fov-deg: expected an angle above 0 and below 180, found {}", *options.fov_deg));
     Camera camera = look_at({eye[0], eye[1], eye[2]}, target, options.fov_deg.value_or(35.0f) * rad_per_deg);
     camera.near_distance = std::max(1e-4f * bounds.radius(), 1e-30f);
     return camera;
   }
-  if (!options.target.empty() || options.fov_deg)
-    throw InvalidOption("--target, --fov-deg: expected --eye with them");
   if (!scene.cameras.empty()) return scene.cameras.front();
   return frame(scene.mesh.positions, aspect);
 }

@@ -59,6 +59,9 @@ LoadedScene load_scene(const SceneOptions& options, Console& console, Stopwatch&
 /// The size of the picture, at least 1 and at most max_picture_side a side. @throws InvalidOption.
 glm::uvec2 picture_size(const CameraOptions& options);
 
+/// What is wrong with them whatever the scene. @throws InvalidOption.
+void check_camera_options(const CameraOptions& options);
+
 /// The camera asked for, or the scene's first one, or an automatic framing of the model.
 /// @throws InvalidOption if there is no such camera.
 Camera choose_camera(const CameraOptions& options, const Scene& scene, const glm::uvec2& size);

@@ -227,6 +227,19 @@ TEST(CommandLine, OutputThatIsTheInput_IsRefusedWhatItsPathIs) {
   EXPECT_FALSE(std::filesystem::exists(folder / "a.glb"));
 }
 
+TEST(CommandLine, OptionsThatAreWrongWhateverTheFile_AreToldBeforeItIsRead) {
+  const ScratchFolder folder("before");
+  for (const char* arguments :
+       {"render none.ply -o a.png --target 0,0,0", "render none.ply -o a.png --fov-deg 50",
+        "render none.ply -o a.png --camera 1 --eye 1,2,3", "compare none.ply -o c --eye 0,1",
+        "compare none.ply -o c --views 3 --eye 1,2,3", "compare none.ply -o c --eye 1,2,3 --fov-deg 180",
+        "chart none.ply -o c --eye 1,2"}) {
+    const ToolResult result = run_tool(folder, arguments);
+    EXPECT_EQ(result.exit_code, 2) << arguments << "\n" << result.err;
+    EXPECT_EQ(count_lines(result.err), 1U) << result.err;
+  }
+}
+
 TEST(CommandLine, Compare_Thresholds_DecideTheExitCode) {
   const ScratchFolder folder("threshold");
   write_octahedron(folder / "in.off");
