@@ -1,0 +1,94 @@
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "cli/models.h"
+#include "cli/run_tool.h"
+
+namespace lambake::test {
+namespace {
+
+TEST(CommandLine, Compare_Thresholds_DecideTheExitCode) {
+  const ScratchFolder folder("threshold");
+  write_octahedron(folder / "in.off");
+  const std::string compare = "compare in.off -o c --sun 0.3,0.2,1 --size 64x64 --quiet ";
+  EXPECT_EQ(run_tool(folder, compare + "--fail-above rmse=1").exit_code, 0);
+  const ToolResult failed =
+      run_tool(folder, compare + "--fail-above rmse=0.001 --fail-above surface.linear.rmse=0.9");
+  EXPECT_EQ(failed.exit_code, 1);
+  EXPECT_NE(failed.err.find("image.display.rmse"), std::string::npos) << failed.err;
+  EXPECT_EQ(count_lines(failed.err), 1U) << failed.err;
+  // Numbers that only some reports have, and such beside the picture's.
+  for (const char* metric : {"surface.display.max_bound=0.001", "worst.0.error=0.001", "vertices=5"})
+    EXPECT_EQ(run_tool(folder, compare + "--fail-above " + metric).exit_code, 1) << metric;
+  EXPECT_EQ(run_tool(folder, compare + "--method face --fail-above mean=0.00001").exit_code, 1);
+  for (const char* metric : {"nonsense=1", "a~b=1", "worst.99999999999999999999.error=1", "surface=1",
+                             "image.display.=1", "max_at=1", "psnr_db=30", "image.linear.psnr_db=30"})
+    EXPECT_EQ(run_tool(folder, compare + "--fail-above " + metric).exit_code, 2) << metric;
+  // Shares that a certified mesh has not are not above anything.
+  EXPECT_EQ(run_tool(folder, compare + "--method adaptive --fail-above error_shares.clipping=0.5").exit_code,
+            2);
+}
+
+TEST(CommandLine, PictureThatShowsNothing_IsTold_AndHasNoErrorToPass) {
+  const ScratchFolder folder("nothing");
+  write_octahedron(folder / "in.off");
+  const std::string away = " in.off --eye 0,0,50 --target 0,0,100 --size 16x16 ";
+  const ToolResult compared = run_tool(folder, "compare" + away + "-o out --fail-above rmse=0.5");
+  EXPECT_EQ(compared.exit_code, 1);
+  EXPECT_NE(compared.err.find("shows nothing"), std::string::npos) << compared.err;
+  EXPECT_EQ(run_tool(folder, "compare" + away + "-o out --fail-above surface.display.max=1").exit_code, 2);
+  EXPECT_EQ(
+      run_tool(folder, "compare" + away + "-o out --fail-above surface.display.max_sampled=1").exit_code, 0);
+  EXPECT_NE(run_tool(folder, "render" + away + "-o a.png").err.find("shows nothing"), std::string::npos);
+}
+
+TEST(CommandLine, Thresholds_TakeQuotients_ButNoStepsOf255) {
+  const ScratchFolder folder("steps");
+  write_octahedron(folder / "in.off");
+  const std::string compare = "compare in.off --sun 0.3,0.2,1 -o out --size 16x16 --fail-above rmse=";
+  EXPECT_EQ(run_tool(folder, compare + "254/255").exit_code, 0);
+  EXPECT_EQ(run_tool(folder, compare + "0/255").exit_code, 1);
+  EXPECT_EQ(run_tool(folder, compare + "1/0").exit_code, 2);
+  const ToolResult refused = run_tool(folder, compare + "3");
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_NE(refused.err.find("3/255"), std::string::npos) << refused.err;
+}
+
+TEST(CommandLine, Compare_Folder_HoldsAllThatIsPromised) {
+  const ScratchFolder folder("folder");
+  write_octahedron(folder / "in.off");
+  ASSERT_EQ(run_tool(folder, "compare in.off -o out --sun 0.3,0.2,1 --size 64x64 --views 3").exit_code, 0);
+  std::vector<std::string> files = folder.files();
+  std::sort(files.begin(), files.end());
+  EXPECT_EQ(files, (std::vector<std::string>{"difference.png", "in.off", "index.html", "lit.glb", "lit.ply",
+                                             "per_fragment.exr", "per_fragment.png", "per_vertex.exr",
+                                             "per_vertex.png", "report.json", "surface_error.ply"}));
+  const auto report = nlohmann::json::parse(read_bytes(folder / "out/report.json"));
+  for (const char* space : {"linear", "display"}) {
+    for (const char* key : {"rmse", "mae", "max", "psnr_db", "p99", "pixels", "pixels_over_1_255"})
+      EXPECT_TRUE(report["image"][space].contains(key)) << space << " " << key;
+    for (const char* key : {"rmse", "mae", "max_sampled", "area"})
+      EXPECT_TRUE(report["surface"][space].contains(key)) << space << " " << key;
+  }
+  EXPECT_GT(report["image"]["display"]["rmse"].get<double>(), 0.01);
+}
+
+TEST(CommandLine, Compare_NothingToWriteInTheMiddle_LeavesNoFolder) {
+  const ScratchFolder folder("nan");
+  std::ofstream(folder / "in.obj") << "v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+  EXPECT_EQ(run_tool(folder, "compare in.obj -o out --size 16x16").exit_code, 4);
+  EXPECT_FALSE(std::filesystem::exists(folder / "out"));
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1);
+}
+
+TEST(CommandLine, FlatFaceUnderASun_Compare_DifferenceIsExactly0) {
+  const ScratchFolder folder("flat");
+  write_quad(folder / "in.off");
+  const ToolResult result = run_tool(
+      folder, "compare in.off -o c --sun 0.3,0.2,1 --size 64x64 --color f32 --json --fail-above max=0");
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+}
+
+}  // namespace
+}  // namespace lambake::test
