@@ -196,8 +196,8 @@ int compare_and_write(const CompareCommand& command, const std::string& command_
   const LoadedScene loaded = load_scene(command.scene, console, stopwatch);
   const Scene& scene = loaded.file.scene;
   check_levels(command.method, "lit.glb", loaded.file);
-  choose_camera(command.camera, scene,
-                picture_size(command.camera));  // Before the work: it may not be there.
+  // Before the work: it may not be there.
+  choose_camera(command.camera, scene, picture_size(command.camera));
   console.stage("baking");
   const ColorOutput output = output_of("lit.glb", loaded.file, command.output);
   BakedScene result = bake_scene(scene, command.method, how, console, output);

@@ -242,6 +242,28 @@ TEST(SurfaceError, LightsOfAnySize_GiveTheSameOnTwoTrianglesAsOnMany) {
   }
 }
 
+TEST(SurfaceError, SpotOnATexture_IsNoMoreMissedThanWithoutOne) {
+  Scene scene = scene_of(grid(1, 1), {spot({0.31f, 1, 0.12f}, {0, -1, 0}, 0, 0.01f)});
+  const double plain = surface_error(scene, bake(scene, {}), ErrorSpace::linear).rmse;
+  EXPECT_GT(plain, 5e-6);
+  Image image{1, 1, {}};
+  image.pixels.emplace_back(1.0f);
+  scene.images.push_back(image);
+  scene.textures.emplace_back();
+  scene.materials[0].base_color_texture = 0;
+  EXPECT_NEAR(surface_error(scene, bake(scene, {}), ErrorSpace::linear).rmse, plain, 5e-3 * plain);
+}
+
+TEST(SurfaceError, MaeOfWhatFallsBetweenTheCornersAndMiddles_IsNoLessThanTheMean) {
+  // Colours that are off by roundings of either sign at the places where a sign is looked for.
+  Scene scene = scene_of(grid(1, 1), {sun({0.3f, 1, 0.2f}), spot({0.3f, 1, 0.1f}, {0, -1, 0}, 0, 0.2f)});
+  BakedColors baked = bake(scene, {});
+  for (std::size_t v = 0; v < baked.colors.size(); ++v) baked.colors[v].r += v % 2 == 0 ? 1e-6f : -1e-6f;
+  const SurfaceError error = surface_error(scene, baked, ErrorSpace::linear);
+  EXPECT_GT(std::abs(error.mean), 1e-3);
+  EXPECT_GE(error.mae, std::abs(error.mean));
+}
+
 TEST(SurfaceError, MaeWhereTheErrorChangesItsSign_IsExactWhereItIsLinear) {
   Mesh mesh = grid(1, 1);
   for (const glm::vec3& p : mesh.positions) mesh.colors.push_back(LinearRgb{(p.x + 1) / 2, 0, 0});

@@ -55,7 +55,8 @@ std::vector<glm::dmat3> TriangleError::parts() const {
       parts.swap(next);
     }
   std::vector<glm::dmat3> narrow;
-  for (int depth = 0; depth < max_depth && narrow.size() + parts.size() < max_quarters; ++depth) {
+  const std::size_t most = parts.size() + max_quarters;
+  for (int depth = 0; depth < max_depth && narrow.size() + parts.size() < most; ++depth) {
     next.clear();
     for (const glm::dmat3& part : parts)
       if (is_wide(part))
@@ -145,13 +146,13 @@ double mean_absolute(double a, double b, double c) {
   const double mean = (a + b + c) / 3;
   if (a >= 0 || c <= 0) return std::abs(mean);
   // What is below 0 is a triangle at corner a, or what is above one at corner c.
-  if (b >= 0) return mean - 2 * a * a * a / (3 * (b - a) * (c - a));
-  return 2 * c * c * c / (3 * (c - a) * (c - b)) - mean;
+  if (b >= 0) return mean - 2 * a / 3 * (a / (b - a)) * (a / (c - a));
+  return 2 * c / 3 * (c / (c - a)) * (c / (c - b)) - mean;
 }
 
 /// The mean of |e| over a part: as of the function that is linear on its quarters, to which is added what
-/// that leaves of the mean. The rules, which ask for polynomials, are some percent off where e changes its
-/// sign.
+/// that leaves of the mean; no less than the mean itself, which the six places may miss. The rules, which ask
+/// for polynomials, are some percent off where e changes its sign.
 /// @param at     the errors at the corners and at the middles of the sides (0,1), (1,2) and (2,0).
 /// @param plain  the mean of e.
 double mean_absolute(const std::array<double, 6>& at, double plain) {
@@ -160,7 +161,7 @@ double mean_absolute(const std::array<double, 6>& at, double plain) {
                             mean_absolute(ab, bc, ca)) /
                            4;
   const double plain_of_linear = (a + b + c + 3 * (ab + bc + ca)) / 12;
-  return of_linear + plain_of_linear / of_linear * (plain - plain_of_linear);
+  return std::max(std::abs(plain), of_linear + plain_of_linear / of_linear * (plain - plain_of_linear));
 }
 
 /// Looks at the corners and the middles of the sides of a part as well, where the largest errors lie, and by
