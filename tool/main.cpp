@@ -16,6 +16,7 @@
 #include "console.h"
 #include "lambake/core/error.h"
 #include "lambake/core/version.h"
+#include "signals.h"
 
 namespace {
 
@@ -41,6 +42,7 @@ int main(int argc, char** argv) {
   // A standard stream that is closed would be the next file that is opened.
   for (int stream = 0; stream <= 2; ++stream)
     if (::fcntl(stream, F_GETFD) == -1 && ::open("/dev/null", O_RDWR) == -1) return 3;
+  lambake::tool::prepare_for_signals();
   constexpr int usage_error = 2, our_fault = 5;
   CLI::App app{
       "lambake: Lambertian light per vertex, per pixel, and the difference.\n"

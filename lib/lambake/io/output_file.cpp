@@ -1,30 +1,17 @@
 #include "lambake/io/output_file.h"
 
-#include <unistd.h>
-
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 #include <system_error>
 
 #include "lambake/core/error.h"
 
 namespace lambake {
 
-std::filesystem::path temporary_beside(const std::filesystem::path& target) {
-  return target.parent_path() / (".lambake-" + std::to_string(::getpid()) + "-" + target.filename().string());
-}
-
 OutputFile::OutputFile(const std::string& path)
-    : path_(path), temporary_path_(temporary_beside(path).string()) {
-  stream_.open(temporary_path_, std::ios::binary | std::ios::trunc);
+    : path_(path), temporary_(path), stream_(temporary_.path(), std::ios::binary | std::ios::trunc) {
   check_stream();
-}
-
-OutputFile::~OutputFile() {
-  if (is_committed_) return;
-  stream_.close();
-  std::error_code ignored;  // Nothing can be told from a destructor; the file may never have been made.
-  std::filesystem::remove(temporary_path_, ignored);
 }
 
 void OutputFile::write(const void* bytes, std::size_t n_bytes) {
@@ -36,9 +23,8 @@ void OutputFile::commit() {
   stream_.close();
   check_stream();
   std::error_code error;
-  std::filesystem::rename(temporary_path_, path_, error);
+  std::filesystem::rename(temporary_.path(), path_, error);
   if (error) throw IoError(path_, "cannot be written: " + error.message());
-  is_committed_ = true;
 }
 
 void OutputFile::check_stream() const {

@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "lambake/core/error.h"
-#include "lambake/io/output_file.h"
 
 namespace lambake {
 
@@ -19,32 +18,35 @@ void check_output_folder(const std::string& path) {
   }
 }
 
-OutputFolder::OutputFolder(const std::string& path) : path_(path) {
+namespace {
+
+/// With a name at its end, which "out/" and "." have not.
+std::filesystem::path named_folder(const std::string& path) {
   check_output_folder(path);
-  std::filesystem::path target = path_.lexically_normal();
-  if (!target.has_filename()) target = target.parent_path();  // "out/" names the folder "out".
+  std::filesystem::path target = std::filesystem::path(path).lexically_normal();
+  if (!target.has_filename()) target = target.parent_path();
+  if (!target.empty() && target != "." && target != "..") return target;
   std::error_code error;
-  if (target.empty() || target == "." || target == "..")
-    target = std::filesystem::absolute(path_, error).lexically_normal();
-  path_ = target;
-  if (!error && path_.has_parent_path()) std::filesystem::create_directories(path_.parent_path(), error);
+  target = std::filesystem::absolute(path, error).lexically_normal();
   if (error) throw IoError(path, "cannot be made: " + error.message());
-  temporary_ = temporary_beside(path_);
-  std::filesystem::remove_all(temporary_, error);  // Left by a run that was stopped.
-  if (!error) std::filesystem::create_directory(temporary_, error);
-  if (error) throw IoError(path, "cannot be made: " + error.message());
+  return target;
 }
 
-OutputFolder::~OutputFolder() {
-  std::error_code ignored;  // Nothing can be told from a destructor.
-  std::filesystem::remove_all(temporary_, ignored);
+}  // namespace
+
+OutputFolder::OutputFolder(const std::string& path) : path_(named_folder(path)), temporary_(path_) {
+  std::error_code error;
+  if (path_.has_parent_path()) std::filesystem::create_directories(path_.parent_path(), error);
+  if (!error) std::filesystem::remove_all(temporary_.path(), error);  // Left by a run that was killed.
+  if (!error) std::filesystem::create_directory(temporary_.path(), error);
+  if (error) throw IoError(path, "cannot be made: " + error.message());
 }
 
 void OutputFolder::commit() {
   std::error_code error;
   std::filesystem::create_directories(path_, error);
   std::vector<std::filesystem::path> names;
-  for (auto it = std::filesystem::directory_iterator(temporary_, error);
+  for (auto it = std::filesystem::directory_iterator(temporary_.path(), error);
        !error && it != std::filesystem::directory_iterator(); it.increment(error))
     names.push_back(it->path().filename());
   if (error) throw IoError(path_.string(), "cannot be written: " + error.message());
@@ -52,7 +54,7 @@ void OutputFolder::commit() {
     if (std::filesystem::is_directory(path_ / name, error))
       throw IoError((path_ / name).string(), "expected a file to replace, found a folder");
   for (const std::filesystem::path& name : names) {
-    std::filesystem::rename(temporary_ / name, path_ / name, error);
+    std::filesystem::rename(temporary_.path() / name, path_ / name, error);
     if (error) throw IoError((path_ / name).string(), "cannot be written: " + error.message());
   }
 }
