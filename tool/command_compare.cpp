@@ -47,7 +47,7 @@ void compare_views(const CompareCommand& command, const Scene& scene, const Bake
   std::vector<Camera> cameras = {choose_camera(command.camera, scene, size)};
   if (command.n_views > 1)
     cameras = frame_around(scene.mesh.positions, static_cast<float>(size.x) / static_cast<float>(size.y),
-                           command.n_views);
+                           command.n_views, up_of(command.camera));
   console.stage("pictures");
   const Progress progress = console.progress();
   std::vector<ImageError> linear, display;

@@ -290,6 +290,10 @@ void add_camera_options(CLI::App& command, CameraOptions& options) {
                      "with --eye: what it looks at: X,Y,Z (default: the model's centre)");
   command.add_option("--fov-deg", options.fov_deg,
                      "with --eye: vertical angle of view in degrees (default 35)");
+  command
+      .add_option("--up", options.up,
+                  "which axis of the model points up in the picture: y (default) or z, as in CAD and on maps")
+      ->check(CLI::IsMember({"y", "z"}));
   command.add_option("--size", options.size, "picture size WIDTHxHEIGHT")->capture_default_str();
 }
 
@@ -336,14 +340,18 @@ glm::uvec2 picture_size(const CameraOptions& options) {
 void check_camera_options(const CameraOptions& options) {
   picture_size(options);
   const bool has_place = !options.eye.empty(), has_more = !options.target.empty() || options.fov_deg;
-  if (!options.camera.empty() && (has_place || has_more))
-    throw InvalidOption("--camera: expected no --eye, --target or --fov-deg with it");
+  if (!options.camera.empty() && (has_place || has_more || !options.up.empty()))
+    throw InvalidOption("--camera: expected no --eye, --target, --fov-deg or --up with it");
   if (has_more && !has_place) throw InvalidOption("--target, --fov-deg: expected --eye with them");
   if (has_place) parse_numbers("--eye", options.eye, 3, 3);
   if (!options.target.empty()) parse_numbers("--target", options.target, 3, 3);
   if (options.fov_deg && !(*options.fov_deg > 0 && *options.fov_deg < 180))
     throw InvalidOption(
         fmt::format("--fov-deg: expected an angle above 0 and below 180, found {}", *options.fov_deg));
+}
+
+Up up_of(const CameraOptions& options) {
+  return options.up == "z" ? Up::z : Up::y;
 }
 
 Camera choose_camera(const CameraOptions& options, const Scene& scene, const glm::uvec2& size) {
@@ -367,12 +375,13 @@ Camera choose_camera(const CameraOptions& options, const Scene& scene, const glm
       const std::vector<float> t = parse_numbers("--target", options.target, 3, 3);
       target = {t[0], t[1], t[2]};
     }
-    Camera camera = look_at({eye[0], eye[1], eye[2]}, target, options.fov_deg.value_or(35.0f) * rad_per_deg);
+    Camera camera = look_at({eye[0], eye[1], eye[2]}, target, options.fov_deg.value_or(35.0f) * rad_per_deg,
+                            up_of(options));
     camera.near_distance = std::max(1e-4f * bounds.radius(), 1e-30f);
     return camera;
   }
-  if (!scene.cameras.empty()) return scene.cameras.front();
-  return frame(scene.mesh.positions, aspect);
+  if (!scene.cameras.empty() && options.up.empty()) return scene.cameras.front();
+  return frame(scene.mesh.positions, aspect, up_of(options));
 }
 
 }  // namespace lambake::tool

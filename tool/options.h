@@ -10,6 +10,7 @@
 
 #include "console.h"
 #include "lambake/io/scene_file.h"
+#include "lambake/render/framing.h"
 
 namespace lambake::tool {
 
@@ -39,6 +40,7 @@ struct CameraOptions {
   std::string camera;       ///< Name or number of a camera of the file.
   std::string eye, target;  ///< "X,Y,Z".
   std::optional<float> fov_deg;
+  std::string up;  ///< "y", "z"; empty: not asked for.
   std::string size = "1024x768";
 };
 
@@ -61,6 +63,8 @@ glm::uvec2 picture_size(const CameraOptions& options);
 
 /// What is wrong with them whatever the scene. @throws InvalidOption.
 void check_camera_options(const CameraOptions& options);
+
+Up up_of(const CameraOptions& options);
 
 /// The camera asked for, or the scene's first one, or an automatic framing of the model.
 /// @throws InvalidOption if there is no such camera.

@@ -218,11 +218,24 @@ TEST(CommandLine, OptionsThatAreWrongWhateverTheFile_AreToldBeforeItIsRead) {
        {"render none.ply -o a.png --target 0,0,0", "render none.ply -o a.png --fov-deg 50",
         "render none.ply -o a.png --camera 1 --eye 1,2,3", "compare none.ply -o c --eye 0,1",
         "compare none.ply -o c --views 3 --eye 1,2,3", "compare none.ply -o c --eye 1,2,3 --fov-deg 180",
-        "chart none.ply -o c --eye 1,2"}) {
+        "chart none.ply -o c --eye 1,2", "render none.ply -o a.png --up x",
+        "render none.ply -o a.png --up z --camera 0"}) {
     const ToolResult result = run_tool(folder, arguments);
     EXPECT_EQ(result.exit_code, 2) << arguments << "\n" << result.err;
     EXPECT_EQ(count_lines(result.err), 1U) << result.err;
   }
+}
+
+TEST(CommandLine, ZUp_ShowsATurnedModelAsYUpShowsIt) {
+  const ScratchFolder folder("up");
+  std::ofstream(folder / "y.off") << "OFF\n4 2 0\n-1 0 2\n1 0 2\n1 0.5 -1\n-1 1 -1\n3 0 1 2\n3 0 2 3\n";
+  std::ofstream(folder / "z.off") << "OFF\n4 2 0\n-1 -2 0\n1 -2 0\n1 1 0.5\n-1 1 1\n3 0 1 2\n3 0 2 3\n";
+  const std::string rest = " --size 64x64 --quiet -o ";
+  EXPECT_EQ(run_tool(folder, "render y.off --sun 0,3,4" + rest + "y.png").exit_code, 0);
+  EXPECT_EQ(run_tool(folder, "render z.off --sun 0,-4,3 --up z" + rest + "z.png").exit_code, 0);
+  EXPECT_EQ(run_tool(folder, "render z.off --sun 0,-4,3" + rest + "lying.png").exit_code, 0);
+  EXPECT_EQ(read_bytes(folder / "y.png"), read_bytes(folder / "z.png"));
+  EXPECT_NE(read_bytes(folder / "z.png"), read_bytes(folder / "lying.png"));
 }
 
 TEST(CommandLine, FileThatCannotHoldWhatIsCertified_IsNotCertifiedByAnyCommand) {

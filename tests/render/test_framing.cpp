@@ -47,6 +47,27 @@ TEST(Framing, AnyAspectAndScale_SeesTheWholeSphereAndLittleElse) {
     }
 }
 
+// A model that is turned with its axes looks the same.
+TEST(Framing, ZUp_IsTheSameViewOfATurnedModel) {
+  const auto turned = [](const glm::vec3& v) { return glm::vec3(v.x, -v.z, v.y); };
+  const std::vector<glm::vec3> points = corners({{1, 2, 3}, {2, 5, 4}});
+  std::vector<glm::vec3> turned_points;
+  for (const glm::vec3& p : points) turned_points.push_back(turned(p));
+  std::vector<Camera> y_up = frame_around(points, 1.5f, 3),
+                      z_up = frame_around(turned_points, 1.5f, 3, Up::z);
+  y_up.push_back(frame(points, 1));
+  z_up.push_back(frame(turned_points, 1, Up::z));
+  for (const glm::vec3& eye : {glm::vec3(7, 1, 2), {1, 20, 3}, {1, -20, 3}}) {
+    y_up.push_back(look_at(eye, {1, 2, 3}, 1));
+    z_up.push_back(look_at(turned(eye), turned({1, 2, 3}), 1, Up::z));
+  }
+  for (std::size_t i = 0; i < y_up.size(); ++i)
+    for (int column = 0; column < 4; ++column) {
+      const glm::vec3 expected = turned(glm::vec3(y_up[i].world_from_camera[column]));
+      EXPECT_LT(glm::length(glm::vec3(z_up[i].world_from_camera[column]) - expected), 1e-5f) << i;
+    }
+}
+
 TEST(Framing, FirstOfTheViewsAround_IsTheFramedOne) {
   const Bounds bounds{{0, 0, 0}, {1, 1, 1}};
   const std::vector<Camera> views = frame_around(corners(bounds), 1.5f, 4);
