@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <iterator>
 #include <memory>
 #include <utility>
 
@@ -10,6 +11,7 @@
 #include "commands.h"
 #include "lambake/core/digits.h"
 #include "lambake/core/error.h"
+#include "lambake/core/parallel.h"
 #include "lambake/core/version.h"
 #include "lambake/io/image_file.h"
 #include "lambake/io/output_file.h"
@@ -146,12 +148,16 @@ void measure(const CompareCommand& command, const Scene& scene, const ColorOutpu
 }
 
 void write_pictures(const OutputFolder& folder, const Mesh& mesh, const Comparison& c) {
-  write_picture(folder.file("per_vertex.png"), c.per_vertex);
-  write_picture(folder.file("per_fragment.png"), c.per_fragment);
-  write_picture(folder.file("per_vertex.exr"), c.per_vertex);
-  write_picture(folder.file("per_fragment.exr"), c.per_fragment);
   const double scale = heat_map_scale(c.per_vertex, c.per_fragment, c.visibility);
-  write_picture(folder.file("difference.png"), heat_map(c.per_vertex, c.per_fragment, c.visibility, scale));
+  const Picture difference = heat_map(c.per_vertex, c.per_fragment, c.visibility, scale);
+  const std::pair<const char*, const Picture&> pictures[] = {{"per_vertex.exr", c.per_vertex},
+                                                             {"per_fragment.exr", c.per_fragment},
+                                                             {"per_vertex.png", c.per_vertex},
+                                                             {"per_fragment.png", c.per_fragment},
+                                                             {"difference.png", difference}};
+  parallel_blocks(std::size(pictures), 1, [&](std::size_t i, std::size_t) {
+    write_picture(folder.file(pictures[i].first), pictures[i].second);
+  });
   write_surface_error(folder.file("surface_error.ply"), mesh, c.surface_display, scale);
 }
 
