@@ -199,7 +199,8 @@ int compare_and_write(const CompareCommand& command, const std::string& command_
   check_outputs(command);
   const BakeOptions how = bake_options(command.method, console);
 
-  const LoadedScene loaded = load_scene(command.scene, console, stopwatch);
+  LoadedScene loaded = load_scene(command.scene, console, stopwatch);
+  tell_drawn_opaque(loaded, console);
   const Scene& scene = loaded.file.scene;
   check_levels(command.method, "lit.glb", loaded.file);
   // Before the work: it may not be there.

@@ -34,7 +34,8 @@ int render_and_write(const RenderCommand& command) {
   const glm::uvec2 size = picture_size(command.camera);
   for (const std::string& path : command.outputs) check_picture_path(path);
   check_distinct(command.outputs);
-  const LoadedScene loaded = load_scene(command.scene, console, stopwatch, command.shading == "face");
+  LoadedScene loaded = load_scene(command.scene, console, stopwatch, command.shading == "face");
+  tell_drawn_opaque(loaded, console);
   const Scene& scene = loaded.file.scene;
   const Camera camera = choose_camera(command.camera, scene, size);
   console.stage("rendering");

@@ -323,6 +323,21 @@ LoadedScene load_scene(const SceneOptions& options, Console& console, Stopwatch&
   return loaded;
 }
 
+void tell_drawn_opaque(LoadedScene& loaded, Console& console) {
+  const Scene& scene = loaded.file.scene;
+  std::vector<bool> is_blended(scene.materials.size());
+  for (std::size_t f = 0; f < scene.mesh.n_triangles(); ++f) {
+    const std::uint32_t m = scene.mesh.material_of(f);
+    is_blended[m] = scene.materials[m].alpha_mode == AlphaMode::blend;
+  }
+  Findings findings;
+  add_finding(findings, "drawn_opaque",
+              static_cast<std::size_t>(std::count(is_blended.begin(), is_blended.end(), true)),
+              "material[ blends|s blend] with what is behind [it|them]; drawn as if [it|they] did not");
+  console.tell(findings);
+  loaded.file.findings.insert(loaded.file.findings.end(), findings.begin(), findings.end());
+}
+
 glm::uvec2 picture_size(const CameraOptions& options) {
   const std::string_view text = options.size;
   const std::size_t x = std::min(text.find('x'), text.size());

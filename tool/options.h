@@ -58,6 +58,9 @@ struct LoadedScene {
 LoadedScene load_scene(const SceneOptions& options, Console& console, Stopwatch& stopwatch,
                        bool is_flat = false);
 
+/// Pictures do not blend what is transparent: tells it, among the findings too.
+void tell_drawn_opaque(LoadedScene& loaded, Console& console);
+
 /// The size of the picture, at least 1 and at most max_picture_side a side. @throws InvalidOption.
 glm::uvec2 picture_size(const CameraOptions& options);
 

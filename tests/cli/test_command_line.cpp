@@ -238,6 +238,34 @@ TEST(CommandLine, ZUp_ShowsATurnedModelAsYUpShowsIt) {
   EXPECT_NE(read_bytes(folder / "z.png"), read_bytes(folder / "lying.png"));
 }
 
+TEST(CommandLine, MaterialsThatBlend_AreToldByWhatDrawsThem) {
+  const ScratchFolder folder("blend");
+  const auto write = [&](const char* mode) {
+    std::ofstream(folder / "in.gltf")
+        << R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],
+              "meshes":[{"primitives":[{"attributes":{"POSITION":0},"material":0}]}],
+              "materials":[{"alphaMode":")"
+        << mode << R"("}],"buffers":[{"byteLength":36,"uri":"data:application/octet-stream;base64,)"
+        << "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"
+        << R"("}],"bufferViews":[{"buffer":0,"byteLength":36}],
+              "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3",
+                            "min":[0,0,0],"max":[1,1,0]}]})";
+  };
+  const auto is_told = [&](const std::string& command) {
+    const ToolResult result = run_tool(folder, command + " --size 16x16 --json");
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    const nlohmann::json json = nlohmann::json::parse(result.out);
+    for (const auto& finding : json["findings"])
+      if (finding["code"] == "drawn_opaque") return finding["count"] == 1;
+    return false;
+  };
+  for (const char* mode : {"BLEND", "OPAQUE"}) {
+    write(mode);
+    EXPECT_EQ(is_told("render in.gltf -o a.png"), mode == std::string("BLEND"));
+    EXPECT_EQ(is_told("compare in.gltf -o c"), mode == std::string("BLEND"));
+  }
+}
+
 TEST(CommandLine, FileThatCannotHoldWhatIsCertified_IsNotCertifiedByAnyCommand) {
   const ScratchFolder folder("gaps");
   std::filesystem::copy(LAMBAKE_SOURCE_DIR "/tests/io/grey188.jpg", folder / "grey.jpg");
