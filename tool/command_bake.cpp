@@ -43,7 +43,10 @@ int bake_and_write(const BakeCommand& command) {
   check_distinct(command.outputs);
   const BakeOptions how = bake_options(command.method, console);
   LoadedScene loaded = load_scene(command.scene, console, stopwatch, command.method.method == "face");
-  for (const std::string& path : command.outputs) check_levels(command.method, path, loaded.file);
+  for (const std::string& path : command.outputs) {
+    check_keeps_referred(loaded.file, path, path);
+    check_levels(command.method, path, loaded.file);
+  }
   console.stage("baking");
   const BakedScene result = bake_scene(loaded.file.scene, command.method, how, console,
                                        output_of(command.outputs.front(), loaded.file, command.output));

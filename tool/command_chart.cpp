@@ -23,10 +23,17 @@ struct ChartCommand {
   double budget_seconds = 60;
 };
 
+constexpr const char* output_names[] = {"chart.json",      "chart.csv",        "chart.svg",
+                                        "chart_bound.svg", "chart_lights.svg", "chart_vertices.svg",
+                                        "index.html"};
+
 int chart_and_write(const ChartCommand& command, const std::string& command_line) {
   Console console(command.scene.quiet);
   Stopwatch stopwatch;
   check_output_folder(command.folder);
+  check_page_is_ours(command.folder);
+  for (const char* name : output_names)
+    check_keeps_input(command.scene, std::filesystem::path(command.folder) / name, command.folder);
   check_camera_options(command.camera);
   const LoadedScene loaded = load_scene(command.scene, console, stopwatch);
   console.stage("measuring");

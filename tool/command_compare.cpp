@@ -84,10 +84,15 @@ void write_surface_error(const std::string& path, const Mesh& mesh, const Surfac
                   scale * 255));
 }
 
+constexpr const char* output_names[] = {
+    "per_vertex.png",    "per_fragment.png", "per_vertex.exr", "per_fragment.exr", "difference.png",
+    "surface_error.ply", "lit.glb",          "lit.ply",        "report.json",      "index.html"};
+
 /// What would fail only once the work is done.
 void check_outputs(const CompareCommand& command) {
   check_output_folder(command.folder);
-  for (const char* name : {"lit.glb", "lit.ply", "surface_error.ply"})
+  check_page_is_ours(command.folder);
+  for (const char* name : output_names)
     check_keeps_input(command.scene, std::filesystem::path(command.folder) / name, command.folder);
   check_camera_options(command.camera);
   if (command.n_views > 1 && (!command.camera.eye.empty() || !command.camera.camera.empty()))
@@ -200,6 +205,8 @@ int compare_and_write(const CompareCommand& command, const std::string& command_
   const BakeOptions how = bake_options(command.method, console);
 
   LoadedScene loaded = load_scene(command.scene, console, stopwatch);
+  for (const char* name : output_names)
+    check_keeps_referred(loaded.file, std::filesystem::path(command.folder) / name, command.folder);
   tell_drawn_opaque(loaded, console);
   const Scene& scene = loaded.file.scene;
   check_levels(command.method, "lit.glb", loaded.file);

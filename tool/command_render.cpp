@@ -32,9 +32,13 @@ int render_and_write(const RenderCommand& command) {
   Stopwatch stopwatch;
   check_camera_options(command.camera);
   const glm::uvec2 size = picture_size(command.camera);
-  for (const std::string& path : command.outputs) check_picture_path(path);
+  for (const std::string& path : command.outputs) {
+    check_picture_path(path);
+    check_keeps_input(command.scene, path, path);
+  }
   check_distinct(command.outputs);
   LoadedScene loaded = load_scene(command.scene, console, stopwatch, command.shading == "face");
+  for (const std::string& path : command.outputs) check_keeps_referred(loaded.file, path, path);
   tell_drawn_opaque(loaded, console);
   const Scene& scene = loaded.file.scene;
   const Camera camera = choose_camera(command.camera, scene, size);

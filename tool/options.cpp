@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <map>
 #include <numbers>
 #include <set>
@@ -251,6 +252,26 @@ void check_keeps_input(const SceneOptions& options, const std::filesystem::path&
   std::error_code ignored;  // Of a file that is not there yet.
   if (std::filesystem::equivalent(options.input, path, ignored))
     throw InvalidOption(fmt::format("-o {}: would replace the input", output));
+  if (std::filesystem::equivalent(options.lights_file, path, ignored))
+    throw InvalidOption(fmt::format("-o {}: would replace the lights file", output));
+}
+
+void check_keeps_referred(const SceneFile& file, const std::filesystem::path& path,
+                          const std::string& output) {
+  std::error_code ignored;  // Of files that are not there.
+  for (const std::string& referred : file.referred_files)
+    if (std::filesystem::equivalent(referred, path, ignored))
+      throw InvalidOption(fmt::format("-o {}: would replace {}, which the input needs", output, referred));
+}
+
+void check_page_is_ours(const std::string& folder) {
+  const std::string path = (std::filesystem::path(folder) / "index.html").string();
+  std::ifstream stream(path, std::ios::binary);
+  std::string head(4096, '\0');
+  stream.read(head.data(), static_cast<std::streamsize>(head.size()));
+  if (stream.gcount() > 0 && head.find("lambake") == std::string::npos)
+    throw IoError(path,
+                  "expected a page of lambake to replace, found another; choose a folder for the output");
 }
 
 CLI::Validator at_least_zero() {

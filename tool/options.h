@@ -85,9 +85,16 @@ double parse_quotient(const std::string& option, std::string_view text);
 void check_distinct(const std::vector<std::string>& outputs);
 
 /// @throws InvalidOption, naming the output as it was given, if writing the file at `path` would replace the
-/// input.
+/// input or the lights file.
 void check_keeps_input(const SceneOptions& options, const std::filesystem::path& path,
                        const std::string& output);
+
+/// The same for the materials, buffers and images that the input refers to.
+void check_keeps_referred(const SceneFile& file, const std::filesystem::path& path,
+                          const std::string& output);
+
+/// @throws IoError if the folder has an index.html that no command of ours has written.
+void check_page_is_ours(const std::string& folder);
 
 /// For CLI11: finite numbers of at least 0, or above 0.
 CLI::Validator at_least_zero();

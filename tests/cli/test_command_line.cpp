@@ -212,6 +212,60 @@ TEST(CommandLine, OutputThatIsTheInput_IsRefusedWhatItsPathIs) {
   EXPECT_FALSE(std::filesystem::exists(folder / "a.glb"));
 }
 
+// Names that an output has, each of them of a file that the input needs.
+TEST(CommandLine, WhatTheInputNeeds_IsNotReplaced) {
+  const ScratchFolder folder("needed");
+  write_quad(folder / "quad.off");
+  ASSERT_EQ(run_tool(folder, "render quad.off --size 8x8 -o difference.png --quiet").exit_code, 0);
+  ASSERT_EQ(run_tool(folder, "bake quad.off -o own.gltf --quiet").exit_code, 0);
+  const std::string triangle = "usemtl m\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n";
+  std::ofstream(folder / "in.obj") << "mtllib lit.ply\n" << triangle;
+  std::ofstream(folder / "lit.ply") << "newmtl m\nmap_Kd difference.png\n";
+  std::ofstream(folder / "report.json")
+      << R"({"lights": [{"type": "directional", "direction": [0, 0, -1]}]})";
+  std::filesystem::create_directory(folder / "gltf");
+  nlohmann::json gltf = nlohmann::json::parse(read_bytes(folder / "own.gltf"));
+  gltf["images"] = {{{"uri", "per%5Fvertex.png"}}};
+  std::ofstream(folder / "gltf/in.gltf") << gltf;
+  std::filesystem::copy(folder / "own.bin", folder / "gltf/own.bin");
+  std::filesystem::copy(folder / "difference.png", folder / "gltf/per_vertex.png");
+  const auto all_bytes = [&] {
+    std::string bytes;
+    for (const char* name : {"difference.png", "lit.ply", "report.json", "gltf/per_vertex.png", "own.bin"})
+      bytes += read_bytes(folder / name) + '|';
+    return bytes;
+  };
+  const std::string before = all_bytes();
+  for (const auto& [arguments, name] :
+       {std::pair{"render in.obj -o difference.png", "difference.png, which the input needs"},
+        {"compare in.obj -o .", "which the input needs"},
+        {"bake in.obj -o lit.ply", "lit.ply, which the input needs"},
+        {"compare quad.off --lights report.json -o .", "the lights file"},
+        {"render gltf/in.gltf -o gltf/per_vertex.png", "per_vertex.png, which the input needs"}}) {
+    const ToolResult result = run_tool(folder, arguments);
+    EXPECT_EQ(result.exit_code, 2) << arguments << result.err;
+    EXPECT_NE(result.err.find("would replace"), std::string::npos) << result.err;
+    EXPECT_NE(result.err.find(name), std::string::npos) << result.err;
+  }
+  EXPECT_EQ(all_bytes(), before);
+}
+
+TEST(CommandLine, PagesOfOthers_AreNotReplaced) {
+  const ScratchFolder folder("page");
+  write_quad(folder / "in.off");
+  std::ofstream(folder / "index.html") << "<title>My site</title>";
+  for (const char* command : {"compare in.off --size 8x8 -o .", "chart in.off --budget-seconds 0.01 -o ."}) {
+    const ToolResult result = run_tool(folder, command);
+    EXPECT_EQ(result.exit_code, 3) << command;
+    EXPECT_NE(result.err.find("index.html"), std::string::npos) << result.err;
+    EXPECT_EQ(folder.files().size(), 2U);
+  }
+  // Its own.
+  EXPECT_EQ(run_tool(folder, "compare in.off --size 8x8 -o c").exit_code, 0);
+  EXPECT_EQ(run_tool(folder, "compare in.off --size 8x8 -o c").exit_code, 0);
+  EXPECT_EQ(run_tool(folder, "chart in.off --budget-seconds 0.01 --methods face -o c").exit_code, 0);
+}
+
 TEST(CommandLine, OptionsThatAreWrongWhateverTheFile_AreToldBeforeItIsRead) {
   const ScratchFolder folder("before");
   for (const char* arguments :

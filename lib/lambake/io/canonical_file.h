@@ -42,6 +42,7 @@ struct CanonicalFile {
   std::vector<bool> has_material_texcoords;
   std::vector<Texture> textures;
   std::vector<Image> images;
+  std::vector<std::string> referred_files;  ///< Paths of materials and images, there or not.
   Findings findings;
 };
 

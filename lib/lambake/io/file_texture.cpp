@@ -21,9 +21,10 @@ std::uint32_t FileTextures::use(const std::string& name, const char* instead) {
 }
 
 std::uint32_t FileTextures::add(const std::string& name, const char* instead) {
+  file_.referred_files.push_back(path_beside(path_, name));
   Image image;
   try {
-    image = read_image(path_beside(path_, name));
+    image = read_image(file_.referred_files.back());
   } catch (const IoError& error) {
     add_finding(file_.findings, "unreadable_textures", 1,
                 std::string("texture could not be read, ") + instead + " instead: " + error.what());

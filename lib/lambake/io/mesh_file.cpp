@@ -148,6 +148,7 @@ SceneFile read_mesh_file(const std::string& path) {
   SceneFile result;
   result.format = file.format;
   result.n_faces = file.n_faces;
+  result.referred_files = std::move(file.referred_files);
   result.findings = std::move(file.findings);
   Mesh& mesh = result.scene.mesh;
   mesh.positions = std::move(arrays.positions);

@@ -84,6 +84,7 @@ void ObjMaterials::read_libraries(std::string_view names) {
 void ObjMaterials::read_library(const std::string& name) {
   if (!libraries_.insert(name).second) return;
   const std::string library = path_beside(path_, name);
+  file_.referred_files.push_back(library);
   std::string bytes;
   std::string_view text;
   try {

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "lambake/core/finding.h"
 #include "lambake/scene/scene.h"
@@ -15,8 +16,10 @@ struct GltfAsset;  ///< The glTF file as read, kept so that it can be written ba
 struct SceneFile {
   Scene scene;         ///< Without lights where the file has none; normals as the file has them, or none.
   std::string format;  ///< "PLY ascii", "STL binary", "GLB", …
-  std::size_t n_vertices = 0;              ///< As the file counts them, before splits.
-  std::size_t n_faces = 0;                 ///< As the file counts them: polygons, before triangulation.
+  std::size_t n_vertices = 0;  ///< As the file counts them, before splits.
+  std::size_t n_faces = 0;     ///< As the file counts them: polygons, before triangulation.
+  /// Paths of materials, buffers and images that it refers to, there or not.
+  std::vector<std::string> referred_files;
   Findings findings;                       ///< Repaired, dropped or kept though odd.
   std::shared_ptr<const GltfAsset> asset;  ///< For glTF; otherwise null.
 };

@@ -373,6 +373,11 @@ SceneFile read_gltf_file(const std::string& path, const ReadOptions& options) {
   const auto asset = std::make_shared<GltfAsset>(load_gltf_asset(path));
   SceneFile file = SceneReader(*asset, options).read();
   file.format = asset->is_glb ? "GLB" : "glTF";
+  for (const char* kind : {"buffers", "images"})
+    for (const GltfJson& element : member(asset->json, kind))
+      if (const GltfJson& uri = member(element, "uri");
+          uri.is_string() && !uri.get_ref<const std::string&>().starts_with("data:"))
+        file.referred_files.push_back(file_beside(path, uri.get<std::string>()).string());
   file.asset = asset;
   return file;
 }
