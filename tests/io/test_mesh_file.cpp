@@ -103,13 +103,14 @@ TEST_F(MeshFileTest, NumbersThatAreNotFinite_AreKeptAndCounted) {
 }
 
 TEST_F(MeshFileTest, PositionsTooFarFromTheOriginForFloats_AreTold) {
-  // Steps of 0.5 at 4.5 million: half of one is 0.0025 of 100, and 0.00025 of 1000.
-  const auto n_coarse = [this](const std::string& size) {
-    return count_of(read("a.obj", "v 0 4500000.1 0\nv 0 4500000.2 0\nv " + size + " 4500000 0\nf 1 2 3\n"),
-                    "coarse_positions");
+  // Steps of 0.5 at 4.5 million: half of one is 0.0125 of sides of 20, and 0.005 of 50.
+  const auto n_coarse = [this](const std::string& side) {
+    return count_of(
+        read("a.obj", "v 0 4500000.1 0\nv 0 4500000.2 " + side + "\nv " + side + " 4500000 0\nf 1 2 3\n"),
+        "coarse_positions");
   };
-  EXPECT_EQ(n_coarse("100"), 3u);
-  EXPECT_EQ(n_coarse("1000"), 0u);
+  EXPECT_EQ(n_coarse("20"), 3u);
+  EXPECT_EQ(n_coarse("50"), 0u);
   const std::string near = "v 0 0 0\nv 1 0 0\nv 0 1e-30 0\nf 1 2 3\n";
   EXPECT_EQ(count_of(read("a.obj", near), "coarse_positions"), 0u);
 }

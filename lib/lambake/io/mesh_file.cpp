@@ -48,21 +48,40 @@ void normalize_normals(std::vector<glm::vec3>& normals, Findings& findings) {
               "normal[|s] in the file ha[s|ve] no direction; unlit");
 }
 
+/// The median length of the sides of a thousand triangles; 0 where there is none of any length.
+double typical_side(const Mesh& mesh) {
+  std::vector<double> lengths;
+  const std::size_t step = std::max<std::size_t>(1, mesh.n_triangles() / 1000);
+  for (std::size_t f = 0; f < mesh.n_triangles(); f += step)
+    for (int c = 0; c < 3; ++c) {
+      const glm::uvec3& t = mesh.triangles[f];
+      const double length =
+          glm::length(glm::dvec3(mesh.positions[t[c]]) - glm::dvec3(mesh.positions[t[(c + 1) % 3]]));
+      if (length > 0 && std::isfinite(length)) lengths.push_back(length);
+    }
+  if (lengths.empty()) return 0;
+  const auto middle = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
+  std::nth_element(lengths.begin(), middle, lengths.end());
+  return *middle;
+}
+
 /// Tells of positions that floats hold too coarsely, as those of maps may be: where half a step between
-/// neighbouring floats is more than a thousandth of the model's diagonal.
-void tell_coarse_positions(std::span<const glm::vec3> positions, Findings& findings) {
-  constexpr double tolerance = 1e-3, half_step = 0x1p-24;  // Of the largest power of two below a number.
-  const Bounds box = bounds_of(positions);
-  const double least = 2.0 * tolerance * double{box.radius()};
+/// neighbouring floats is more than a hundredth of a triangle's side, which turns normals as much.
+void tell_coarse_positions(const Mesh& mesh, std::size_t n_vertices, Findings& findings) {
+  constexpr double tolerance = 1e-2, half_step = 0x1p-24;  // Of the largest power of two below a number.
+  const double least = tolerance * typical_side(mesh);
   const auto is_coarse = [&](const glm::vec3& p) {
     const float largest = std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
     return is_finite(p) && largest > 0 && half_step * std::ldexp(1.0, std::ilogb(largest)) > least;
   };
+  const Bounds box = bounds_of(mesh.positions);
   if (least == 0 || box.is_empty() || !(is_coarse(box.min) || is_coarse(box.max))) return;
-  const auto n = std::count_if(positions.begin(), positions.end(), is_coarse);
+  const auto n = std::count_if(mesh.positions.begin(),
+                               mesh.positions.begin() + static_cast<std::ptrdiff_t>(n_vertices), is_coarse);
   add_finding(findings, "coarse_positions", static_cast<std::size_t>(n),
               "vert[ex lies|ices lie] so far from the origin that rounding to single precision can move "
-              "[it|them] by a thousandth of the model's size; a model nearer to the origin is held better");
+              "[it|them] by a hundredth of a triangle's side, and turn normals as much: take what all "
+              "coordinates have in common off them");
 }
 
 /// From the files' origin, the lower left, to the upper left. What is not finite becomes the files' zero.
@@ -168,7 +187,7 @@ SceneFile read_mesh_file(const std::string& path) {
   result.n_vertices = file.n_vertices;
 
   set_sources(file, mesh);
-  tell_coarse_positions(std::span(mesh.positions).first(file.n_vertices), result.findings);
+  tell_coarse_positions(mesh, file.n_vertices, result.findings);
   turn_texcoords(mesh.texcoords[0], result.findings);
   for (float& opacity : mesh.opacities) opacity = opacity >= 0 ? std::min(opacity, 1.0f) : 0.0f;
   normalize_normals(mesh.normals, result.findings);
