@@ -1,8 +1,10 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <vector>
 
 #include "bake_options.h"
 #include "commands.h"
@@ -77,7 +79,12 @@ int bake_and_write(const BakeCommand& command) {
       add_finding(written.findings, "certificate_of_another_file", 1,
                   "output stores colours otherwise than the first: the certificate is of " + first +
                       ", not of " + path);
-    console.tell(written.findings);
+    Findings news = written.findings;
+    std::erase_if(news, [&](const Finding& f) {
+      return std::any_of(baked.findings.begin(), baked.findings.end(),
+                         [&](const Finding& told) { return told.count == f.count && told.text == f.text; });
+    });
+    console.tell(news);
     json["outputs"].push_back({{"path", path},
                                {"bytes", baked_bytes(path)},
                                {"clipped_vertices", written.clipped_vertices},

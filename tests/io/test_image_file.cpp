@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "lambake/core/error.h"
+#include "lambake/io/image_bytes.h"
 
 namespace lambake {
 namespace {
@@ -178,6 +179,20 @@ TEST(ImageFile, Jpeg_IsDecodedFromSrgb) {
   ASSERT_EQ(image.bytes.size(), image.n_pixels());
   for (std::size_t i = 0; i < image.n_pixels(); ++i)
     ASSERT_NEAR(image.pixel(i).g, srgb_decode(188 / 255.0f), 0.005f);
+}
+
+// The frame's header names the number of channels; a table before it has a marker that looks like one.
+TEST(ImageFile, JpegOfFourChannels_IsToldByItsFrame) {
+  const auto jpeg = [](char frame, char n_channels) {
+    return std::string("\xff\xd8\xff\xc4\x00\x04\x04\x04\xff", 9) + frame +
+           std::string("\x00\x14\x08\x00\x08\x00\x08", 7) + n_channels + std::string(12, '\4');
+  };
+  for (const char frame : {'\xc0', '\xc1', '\xc2'}) {
+    EXPECT_TRUE(is_cmyk_jpeg(jpeg(frame, 4)));
+    EXPECT_FALSE(is_cmyk_jpeg(jpeg(frame, 3)));
+    EXPECT_FALSE(is_cmyk_jpeg(jpeg(frame, 1)));
+  }
+  EXPECT_FALSE(is_cmyk_jpeg(contents(LAMBAKE_SOURCE_DIR "/tests/io/grey188.jpg")));
 }
 
 TEST(ImageFile, NoImage_Throws) {

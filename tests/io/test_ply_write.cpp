@@ -111,6 +111,9 @@ TEST_F(PlyWrite, Texture_IsSampledAtTheVertex) {
   scene.materials[0].base_color_texture = 0;
   const Mesh mesh = write_and_read({.color = ColorStorage::f32});
   EXPECT_EQ(mesh.colors[3], (LinearRgb{0.5f, 0.25f, 0}));
+  ASSERT_EQ(written.findings.size(), 1U);
+  EXPECT_EQ(written.findings[0].code, "textures_not_written");
+  EXPECT_EQ(written.findings[0].count, 1U);
 }
 
 TEST_F(PlyWrite, PositionsThatAreNotFinite_StayAndColorsThatAreNot_BecomeBlack) {

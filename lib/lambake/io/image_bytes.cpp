@@ -74,4 +74,15 @@ void check_jpeg_end(std::string_view jpeg, const std::string& name) {
                           ": expected the end of the picture (FF D9), found the end of the file");
 }
 
+bool is_cmyk_jpeg(std::string_view jpeg) {
+  for (std::size_t at = 2; (at = find_marker(jpeg, at)) != jpeg.npos;) {
+    const auto code = static_cast<unsigned char>(jpeg[at++]);
+    constexpr std::size_t n_channels_at = 7;  // Behind length, precision, height and width.
+    const bool is_frame = (code & 0xf0) == 0xc0 && code != 0xc4 && code != 0xc8 && code != 0xcc;
+    if (is_frame) return at + n_channels_at < jpeg.size() && jpeg[at + n_channels_at] == 4;
+    at += big_endian(jpeg.substr(std::min(at, jpeg.size()), 2));
+  }
+  return false;
+}
+
 }  // namespace lambake

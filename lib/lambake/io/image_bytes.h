@@ -19,4 +19,8 @@ std::string critical_chunks(std::string_view png, const std::string& name);
 /// @param jpeg  begins with the signature. @param name  for messages.
 void check_jpeg_end(std::string_view jpeg, const std::string& name);
 
+/// Whether a JPEG has the four channels of CMYK, which browsers and glTF do not take.
+/// @param jpeg  begins with the signature.
+bool is_cmyk_jpeg(std::string_view jpeg);
+
 }  // namespace lambake

@@ -73,7 +73,7 @@ Image read_image(const std::string& path) {
   std::string bytes = read_named_bytes(path);
   Image image = decode_image(std::as_bytes(std::span(bytes.data(), bytes.size())), path);
   const std::string type = mime_type_of(bytes);
-  if (type == "image/png" || type == "image/jpeg") image.file = std::move(bytes);
+  if (type == "image/png" || (type == "image/jpeg" && !is_cmyk_jpeg(bytes))) image.file = std::move(bytes);
   return image;
 }
 

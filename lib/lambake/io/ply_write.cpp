@@ -85,6 +85,14 @@ void append_triangle(char*& row, const glm::uvec3& corners) {
   append(row, corners);
 }
 
+void tell_textures(const Scene& scene, const char* code, Findings& findings) {
+  const std::size_t n_textured = count_used_materials(
+      scene, [&](std::size_t m) { return has_texture(scene.mesh, scene, scene.materials[m]); });
+  add_finding(findings, code, n_textured,
+              "material[ has a texture, of which|s have a texture, of which] the file holds what is at the "
+              "vertices alone");
+}
+
 }  // namespace
 
 ColorOutput ply_output(const Scene& scene, const PlyWriteOptions& options) {
@@ -95,11 +103,7 @@ ColorOutput ply_output(const Scene& scene, const PlyWriteOptions& options) {
     if (storage == ColorStorage::u8) color = to_linear(to_srgb8(color));
     return to_double(color);
   };
-  const std::size_t n_textured = count_used_materials(
-      scene, [&](std::size_t m) { return has_texture(scene.mesh, scene, scene.materials[m]); });
-  add_finding(output.gaps, "certificate_not_of_file", n_textured,
-              "material[ has a texture, of which|s have a texture, of which] the file holds what is at the "
-              "vertices alone");
+  tell_textures(scene, "certificate_not_of_file", output.gaps);
   return output;
 }
 
@@ -126,6 +130,7 @@ WrittenColors write_ply_file(const std::string& path, const Scene& scene, const 
     written.clipped_vertices += !is_float && std::max({c.r, c.g, c.b}) > above;
     n_negative += !is_float && std::min({c.r, c.g, c.b}) < below;
   }
+  tell_textures(scene, "textures_not_written", written.findings);
   tell_storage(written.findings, written.clipped_vertices, n_negative);
   add_finding(written.findings, "non_finite_baked_colors", n_non_finite,
               "vert[ex has|ices have] a baked colour that is not finite; black instead");

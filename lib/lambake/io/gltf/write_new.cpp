@@ -271,10 +271,11 @@ class NewAsset {
       image_of_[texture.image] =
           append_to(document.json, "images", {{"bufferView", view}, {"mimeType", mime_type_of(bytes)}});
     }
-    const int filter = texture.filter == TextureFilter::nearest ? 9728 : 9729;
+    constexpr int nearest = 9728, linear = 9729, linear_mipmap_linear = 9987;
+    const bool is_nearest = texture.filter == TextureFilter::nearest;
     const std::size_t sampler = append_to(document.json, "samplers",
-                                          {{"magFilter", filter},
-                                           {"minFilter", filter},
+                                          {{"magFilter", is_nearest ? nearest : linear},
+                                           {"minFilter", is_nearest ? nearest : linear_mipmap_linear},
                                            {"wrapS", wrap_code(texture.wrap_s)},
                                            {"wrapT", wrap_code(texture.wrap_t)}});
     texture_of_[index] =
