@@ -74,9 +74,19 @@ double parse_tolerance(const std::string& text, ErrorSpace space) {
   return value;
 }
 
+/// Whether no light, of whatever strength, shows.
+bool is_black(const Scene& scene) {
+  const Mesh& mesh = scene.mesh;
+  const std::vector<std::uint32_t> materials = vertex_materials(mesh);
+  for (std::size_t v = 0; v < materials.size(); ++v) {
+    const LinearRgb color = mesh.colors.empty() ? LinearRgb{1, 1, 1} : mesh.colors[v];
+    if (!(scene.materials[materials[v]].base_color * color == LinearRgb{})) return false;
+  }
+  return true;
+}
+
 /// Tells where nothing of all that could be lit will be seen.
-void tell_darkness(const Scene& scene, BakedColors& baked) {
-  constexpr float visible = 0.5f / 255 / 12.92f;  // Half a step of the screen.
+void tell_dark_vertices(const Scene& scene, BakedColors& baked) {
   const Mesh& mesh = mesh_of(scene, baked);
   const std::vector<std::uint32_t> materials = vertex_materials(mesh);
   float brightest = 0;
@@ -89,15 +99,7 @@ void tell_darkness(const Scene& scene, BakedColors& baked) {
     brightest = std::max({brightest, shown.r, shown.g, shown.b});
     ++n_lit;
   }
-  if (n_lit == 0 || scene.lights.empty() || !(brightest < visible)) return;
-  add_finding(
-      baked.findings, "too_dark_to_see", n_lit,
-      brightest > 0
-          ? fmt::format("vert[ex is|ices are all] too dark to be seen: the brightest has {:.1g} of white; "
-                        "a lamp fades with the square of the distance, --exposure brightens",
-                        brightest)
-          : "vert[ex is|ices are all] black: the lights are behind the surface, inside of it, out of "
-            "reach, or shine between the vertices");
+  tell_darkness(scene, brightest, n_lit, "vert[ex is|ices are all]", baked.findings);
 }
 
 }  // namespace
@@ -174,7 +176,7 @@ BakedScene bake_scene(const Scene& scene, const BakeMethodOptions& options, Bake
   } else {
     result.baked = bake(scene, how);
   }
-  tell_darkness(scene, result.baked);
+  tell_dark_vertices(scene, result.baked);
   return result;
 }
 
@@ -206,6 +208,22 @@ void add_output_options(CLI::App& command, OutputOptions& options) {
       ->capture_default_str();
   command.add_flag("--unlit,!--no-unlit", options.mark_unlit,
                    "glTF: mark lit materials KHR_materials_unlit, so that nothing is lit twice (default)");
+}
+
+void tell_darkness(const Scene& scene, float brightest, std::size_t n, const std::string& what_is,
+                   Findings& findings) {
+  constexpr float visible = 0.5f / 255 / 12.92f;  // Half a step of the screen.
+  if (scene.lights.empty() || !(brightest < visible)) return;
+  add_finding(
+      findings, "too_dark_to_see", n,
+      what_is +
+          (brightest > 0
+               ? fmt::format(" too dark to be seen: the brightest has {:.1g} of white; a lamp fades with "
+                             "the square of the distance, --exposure brightens",
+                             brightest)
+           : is_black(scene) ? " black, as the base colour is"
+                             : " black: the lights are behind the surface, inside of it, out of reach, or "
+                               "shine between the vertices"));
 }
 
 void check_baked_path(const std::string& path, const OutputOptions& options) {

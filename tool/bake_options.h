@@ -56,6 +56,12 @@ void add_method_json(nlohmann::ordered_json& json, const BakedScene& result);
 
 void add_output_options(CLI::App& command, OutputOptions& options);
 
+/// Adds a finding where there is light, but nothing of it would be seen.
+/// @param brightest  channel of all that could be lit. @param n  how many those are.
+/// @param what_is    their name with "is" and "are", as findings have it.
+void tell_darkness(const Scene& scene, float brightest, std::size_t n, const std::string& what_is,
+                   Findings& findings);
+
 /// Throws InvalidOption unless `path` ends in .glb, .gltf or .ply and the options fit it.
 void check_baked_path(const std::string& path, const OutputOptions& options);
 

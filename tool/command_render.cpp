@@ -1,10 +1,13 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
 
 #include "bake_options.h"
 #include "commands.h"
+#include "lambake/core/digits.h"
 #include "lambake/core/error.h"
+#include "lambake/io/color_storage.h"
 #include "lambake/io/file_extension.h"
 #include "lambake/io/image_file.h"
 #include "lambake/render/shade.h"
@@ -25,6 +28,23 @@ void check_picture_path(const std::string& path) {
   const std::string extension = file_extension(path);
   if (extension != "png" && extension != "exr")
     throw InvalidOption(fmt::format("-o {}: expected .png or .exr", path));
+}
+
+/// Tells what a screen does not show of the picture.
+/// @param is_clipped  an output holds at most 1.
+void tell_brightness(const Picture& picture, std::size_t n_covered, bool is_clipped, LoadedScene& loaded,
+                     Console& console) {
+  Findings findings;
+  std::size_t n_above = 0;
+  if (is_clipped)
+    for (const LinearRgb& c : picture.pixels) n_above += std::max({c.r, c.g, c.b}) > 1 + 0.5f / 255;
+  const float brightest = brightest_of(picture.pixels);
+  add_finding(findings, "overexposed_pixels", n_above,
+              fmt::format("of {} pixels [is|are] brighter than white ({} shows them)",
+                          group_digits(n_covered), exposure_to_white(brightest)));
+  tell_darkness(loaded.file.scene, brightest, n_covered, "pixel[ is|s are all]", findings);
+  console.tell(findings);
+  loaded.file.findings.insert(loaded.file.findings.end(), findings.begin(), findings.end());
 }
 
 int render_and_write(const RenderCommand& command) {
@@ -55,6 +75,9 @@ int render_and_write(const RenderCommand& command) {
   }
   stopwatch.lap("render");
   console.clear_bar();
+  const bool has_png = std::any_of(command.outputs.begin(), command.outputs.end(),
+                                   [](const std::string& path) { return file_extension(path) == "png"; });
+  tell_brightness(picture, n_covered, has_png, loaded, console);
   if (n_covered == 0) console.note("the picture shows nothing of the model");
   for (const std::string& path : command.outputs) {
     write_picture(path, picture);

@@ -292,6 +292,24 @@ TEST(CommandLine, ZUp_ShowsATurnedModelAsYUpShowsIt) {
   EXPECT_NE(read_bytes(folder / "z.png"), read_bytes(folder / "lying.png"));
 }
 
+TEST(CommandLine, Render_TellsWhatAScreenDoesNotShow) {
+  const ScratchFolder folder("brightness");
+  write_quad(folder / "in.off");
+  const auto told = [&](const std::string& arguments) {
+    return run_tool(folder, "render in.off --eye 0,0,3 --size 16x16 " + arguments).err;
+  };
+  // Of 5, three stops lower is 0.625.
+  const std::string bright = told("--sun 0,0,1,5,1,1 -o a.png");
+  EXPECT_NE(bright.find("brighter than white (an exposure lower by 3 stops shows"), std::string::npos)
+      << bright;
+  EXPECT_EQ(told("--sun 0,0,1,5,1,1 -o a.exr"), "");
+  EXPECT_EQ(told("--sun 0,0,1,5,1,1 --exposure -3 -o a.png"), "");
+  EXPECT_NE(told("--sun 0,0,1,1e-5,0,0 -o a.png").find("too dark to be seen"), std::string::npos);
+  EXPECT_NE(told("--sun 0,0,-1 -o a.png").find("the lights are behind the surface"), std::string::npos);
+  EXPECT_NE(told("--sun 0,0,1 --albedo 0,0,0 -o a.png").find("black, as the base colour is"),
+            std::string::npos);
+}
+
 TEST(CommandLine, MaterialsThatBlend_AreToldByWhatDrawsThem) {
   const ScratchFolder folder("blend");
   const auto write = [&](const char* mode) {

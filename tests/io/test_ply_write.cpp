@@ -62,11 +62,15 @@ TEST_F(PlyWrite, FloatColors_ComeBackToTheBitAndUnclamped) {
 }
 
 TEST_F(PlyWrite, ColorsAboveOne_AreCounted) {
-  baked.colors[3] = {1, 1.01f, 1};
-  write_and_read();
-  EXPECT_EQ(written.clipped_vertices, 1u);
-  ASSERT_EQ(written.findings.size(), 1u);
-  EXPECT_EQ(written.findings[0].code, "clipped_vertices");
+  for (const auto& [brightest, stops] :
+       {std::pair{1.01f, "by 1 stop "}, {2.0f, "by 1 stop "}, {2.5f, "by 2 stops "}, {4.1f, "by 3 stops "}}) {
+    baked.colors[3] = {1, brightest, 1};
+    write_and_read();
+    EXPECT_EQ(written.clipped_vertices, 1u);
+    ASSERT_EQ(written.findings.size(), 1u);
+    EXPECT_EQ(written.findings[0].code, "clipped_vertices");
+    EXPECT_NE(written.findings[0].text.find(stops), std::string::npos) << written.findings[0].text;
+  }
 }
 
 TEST_F(PlyWrite, ColorsBelowZero_AreTold) {

@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "lambake/measure/surface_error.h"
 #include "scenes.h"
+#include "storing.h"
 
 namespace lambake {
 namespace {
@@ -35,6 +38,20 @@ TEST(SelectMethod, TooFewVertices_SaysThatPixelsAreNeeded) {
   EXPECT_FALSE(selection.is_certified);
   EXPECT_EQ(selection.sentence.rfind("per-pixel lighting is needed", 0), 0U) << selection.sentence;
   EXPECT_LE(selection.baked.mesh->n_vertices(), 170U);
+}
+
+// Colours in sixteenths: most of what is left is rounding, and light per pixel is not what is missing.
+TEST(SelectMethod, MostlyRounding_DecidesNothing) {
+  const Scene scene = scene_of(icosphere(3), {sun({0.4f, 1, 0.3f})});
+  const ColorOutput coarse = storing([](const LinearRgb& c) {
+    const auto rounded = [](float channel) { return std::round(channel * 16) / 16; };
+    return LinearRgb{rounded(c.r), rounded(c.g), rounded(c.b)};
+  });
+  const Selection rounded = select_method(scene, {.output = coarse});
+  EXPECT_NE(rounded.sentence.find("would do for"), std::string::npos) << rounded.sentence;
+  const Selection both = select_method(scene, {.max_vertices = 670, .output = coarse});
+  EXPECT_EQ(both.sentence.rfind("not decided: ", 0), 0U) << both.sentence;
+  EXPECT_NE(both.sentence.find("mostly as the output clips or rounds"), std::string::npos) << both.sentence;
 }
 
 TEST(SelectMethod, TooLittleTime_DecidesNothing) {

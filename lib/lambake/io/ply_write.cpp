@@ -124,14 +124,17 @@ WrittenColors write_ply_file(const std::string& path, const Scene& scene, const 
   });
   // Half a step of what is stored, of the steep end of the curve and of the flat one.
   constexpr float above = 1 + 0.5f / 255, below = -0.5f / 255 / 12.92f;
-  std::size_t n_non_finite = 0, n_negative = 0;
+  std::size_t n_non_finite = 0;
+  StorageLosses losses;
   for (LinearRgb& c : colors) {
     if (!is_finite(c)) c = {0, 0, 0}, ++n_non_finite;
-    written.clipped_vertices += !is_float && std::max({c.r, c.g, c.b}) > above;
-    n_negative += !is_float && std::min({c.r, c.g, c.b}) < below;
+    losses.n_above += !is_float && std::max({c.r, c.g, c.b}) > above;
+    losses.n_below += !is_float && std::min({c.r, c.g, c.b}) < below;
   }
   tell_textures(scene, "textures_not_written", written.findings);
-  tell_storage(written.findings, written.clipped_vertices, n_negative);
+  if (losses.n_above > 0) losses.brightest = brightest_of(colors);
+  written.clipped_vertices = losses.n_above;
+  tell_storage(written.findings, losses);
   add_finding(written.findings, "non_finite_baked_colors", n_non_finite,
               "vert[ex has|ices have] a baked colour that is not finite; black instead");
 

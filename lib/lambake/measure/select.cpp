@@ -38,6 +38,12 @@ std::string verdict(const Selection& selection, const BakeOptions& options, std:
         "{} → {} vertices would do for {}, but the output clips or rounds colours: up to {} off; "
         "a lower exposure or finer colours help",
         group_digits(n_vertices), count, steps(options.tolerance), steps(best.max_bound));
+  if (!selection.is_certified && selection.baked.certificate &&
+      2 * open_by_storage(selection.baked) > selection.baked.certificate->open_triangles)
+    return fmt::format(
+        "not decided: {} vertices leave errors up to {} where {} is asked, but mostly as the output clips or "
+        "rounds colours; a lower exposure or finer colours help",
+        count, steps(best.max_bound), steps(options.tolerance));
   const std::string left = std::isfinite(best.max_bound)
                                ? fmt::format("errors up to {}", steps(best.max_bound))
                                : "errors without a bound";

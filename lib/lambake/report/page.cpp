@@ -53,10 +53,12 @@ std::string verdict(const Comparison& c) {
         "Seen from here per-vertex lighting is enough; elsewhere on the surface it differs from "
         "per-pixel lighting by up to {}.",
         steps_of_255(largest));
+  const bool is_clipped = c.shares.clipping.value_or(0) > c.shares.interpolation;
   return fmt::format(
       "The difference is visible: {} of the pixels lit per vertex are more than 1/255 away from per-pixel "
-      "lighting, the worst place by {}.",
-      percent(share_over_1_255(image)), steps_of_255(largest));
+      "lighting, the worst place by {}{}.",
+      percent(share_over_1_255(image)), steps_of_255(largest),
+      is_clipped ? "; most of it is light brighter than white, which vertex colours cannot hold" : "");
 }
 
 /// The few numbers that people ask for first.

@@ -144,7 +144,7 @@ std::string difference_section(const Comparison& c, const Differences& differenc
 </figure>
 <figure>
 <h2>How many pixels differ by how much</h2>
-{histogram}<figcaption>{over} of {pixels} pixels are off by more than 1/255, the smallest step of an ordinary screen. Each line upwards is ten times as many pixels.</figcaption>
+{histogram}<figcaption>{over} of {pixels} pixels are off by more than 1/255, the smallest step of an ordinary screen. The scale upwards is logarithmic.</figcaption>
 </figure>
 </section>
 )",

@@ -50,8 +50,7 @@ void for_each_clamped(std::span<const LinearRgb> colors, std::span<const float> 
     negative += n_negative;
   });
   if (!is_clamped) return;
-  out.clipped = clipped;
-  out.negative = negative;
+  out.losses = {.n_above = clipped, .n_below = negative, .brightest = clipped > 0 ? brightest_of(colors) : 0};
 }
 
 template <typename Integer>

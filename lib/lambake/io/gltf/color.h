@@ -17,8 +17,7 @@ struct EncodedColors {
   int component_type = gltf::float_;
   const char* type = "VEC4";
   bool is_normalized = false;
-  std::size_t clipped = 0;   ///< Vertices with a channel above 1, stored as 1.
-  std::size_t negative = 0;  ///< Vertices with a channel below 0, stored as 0.
+  StorageLosses losses;
 
   GltfElements elements() const {
     return {.bytes = bytes,

@@ -141,8 +141,7 @@ class AssetWriter {
     const bool had_color = has_color(asset_, placed);
     if (had_color && replaces_color(options_)) ++n_multiplied_;
     const EncodedColors encoded = encode(placed, baked, had_color);
-    written_.clipped_vertices += encoded.clipped;
-    negative_ += encoded.negative;
+    losses_.add(encoded.losses);
     primitive["attributes"][options_.attribute] = append_accessor(document, encoded.elements());
     document.json["meshes"][mesh]["primitives"][placed.primitive] = std::move(primitive);
   }
@@ -270,7 +269,8 @@ class AssetWriter {
 
   void tell() {
     Findings& findings = written_.findings;
-    tell_storage(findings, written_.clipped_vertices, negative_);
+    written_.clipped_vertices = losses_.n_above;
+    tell_storage(findings, losses_);
     add_finding(findings, "vertex_colors_multiplied", n_multiplied_,
                 "primitive[|s] had vertex colours; the product of colour and light is written");
     add_finding(findings, "morphed_colors_left_out", n_morphed_,
@@ -305,8 +305,9 @@ class AssetWriter {
   WrittenColors written_;
   std::vector<std::size_t> mesh_of_node_;
   std::set<std::pair<std::size_t, std::size_t>> lit_;  ///< (mesh, primitive) of the written document.
-  std::size_t negative_ = 0, n_multiplied_ = 0, n_rewritten_ = 0, emission_lost_ = 0,
-              n_with_other_extensions_ = 0, n_cut_short_ = 0, n_morphed_ = 0, n_with_variants_ = 0;
+  StorageLosses losses_;
+  std::size_t n_multiplied_ = 0, n_rewritten_ = 0, emission_lost_ = 0, n_with_other_extensions_ = 0,
+              n_cut_short_ = 0, n_morphed_ = 0, n_with_variants_ = 0;
 };
 
 /// The .bin beside a new .gltf must not be one that the asset itself is made of, unless the asset is

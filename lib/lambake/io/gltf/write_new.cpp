@@ -81,7 +81,8 @@ class NewAsset {
       primitive["material"] = write_material(document, scene_.materials[part.material], is_blended(part));
       document.json["meshes"][0]["primitives"].push_back(std::move(primitive));
     }
-    tell_storage(written_.findings, written_.clipped_vertices, negative_);
+    written_.clipped_vertices = losses_.n_above;
+    tell_storage(written_.findings, losses_);
     add_finding(written_.findings, "normals_replaced", normals_replaced_,
                 "vert[ex has|ices have] no normal, which glTF forbids; +z is written there");
     add_finding(written_.findings, "opacities_blended", n_blended_,
@@ -210,8 +211,7 @@ class NewAsset {
       opacities = kept_.keep(std::move(scaled));
     }
     const EncodedColors& encoded = kept_.keep(encode_colors(colors, opacities, encoding_of(options_)));
-    written_.clipped_vertices += encoded.clipped;
-    negative_ += encoded.negative;
+    losses_.add(encoded.losses);
     GltfElements elements = encoded.elements();
     elements.is_lent = true;
     return append_accessor(document, elements);
@@ -303,7 +303,8 @@ class NewAsset {
   std::vector<Part> parts_;
   KeptArrays kept_;
   WrittenColors written_;
-  std::size_t negative_ = 0, normals_replaced_ = 0, n_blended_ = 0, n_invisible_ = 0;
+  StorageLosses losses_;
+  std::size_t normals_replaced_ = 0, n_blended_ = 0, n_invisible_ = 0;
   std::vector<std::optional<std::size_t>> texture_of_, image_of_;
 };
 
