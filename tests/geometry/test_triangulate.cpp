@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <set>
 
 namespace lambake {
 namespace {
@@ -126,6 +127,55 @@ TEST(TriangulatePolygon, WithoutAreaOrNotFinite_IsAFanAndSaysSo) {
   triangles.clear();
   EXPECT_FALSE(triangulate_polygon(nan, iota(5), triangles));
   EXPECT_EQ(triangles.size(), 3u);
+}
+
+/// The outer square 0 1 2 3 of a sheet with a vertex 4 inside of it that two quadrilaterals have.
+struct FoldedQuads {
+  std::vector<glm::vec3> positions{{-1, 0, 0}, {0, -1, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 0.1f}};
+  std::vector<std::uint32_t> faces;
+  std::vector<glm::uvec3> triangles;
+
+  void add(const std::vector<std::uint32_t>& polygon) {
+    triangulate_polygon(positions, polygon, triangles);
+    faces.resize(triangles.size(), faces.empty() ? 0 : faces.back() + 1);
+  }
+  std::size_t n_repeated() const {
+    std::set<std::set<std::uint32_t>> sets;
+    for (const glm::uvec3& t : triangles) sets.insert({t.x, t.y, t.z});
+    return triangles.size() - sets.size();
+  }
+};
+
+TEST(PartFoldedQuads, TwoThatShareThreeVertices_AreCutAlongDifferentDiagonals) {
+  for (const bool is_first_cut : {false, true}) {
+    FoldedQuads quads;
+    quads.faces = {0, 0, 1, 1};
+    quads.triangles = {{0, 1, 2}, {0, 2, 4}, {2, 3, 0}, {2, 0, 4}};
+    // Of one of them the cut lies outside.
+    quads.positions[4] = {0, is_first_cut ? -0.5f : 0.5f, 0.1f};
+    EXPECT_EQ(quads.n_repeated(), 1u);
+    part_folded_quads(quads.positions, quads.faces, quads.triangles);
+    EXPECT_EQ(quads.n_repeated(), 0u);
+    double area = 0;
+    for (const glm::uvec3& t : quads.triangles) {
+      const glm::vec3 n = glm::cross(quads.positions[t.y] - quads.positions[t.x],
+                                     quads.positions[t.z] - quads.positions[t.x]);
+      EXPECT_GT(n.z, 0);
+      area += 0.5 * double(n.z);
+    }
+    EXPECT_NEAR(area, 2, 1e-6);
+  }
+}
+
+TEST(PartFoldedQuads, OtherPolygons_StayAsTheyAre) {
+  FoldedQuads quads;
+  quads.add({0, 1, 2, 4});
+  quads.add({0, 4, 2});
+  quads.add({2, 3, 0});
+  quads.add({0, 3, 2, 1, 4});
+  const std::vector<glm::uvec3> before = quads.triangles;
+  part_folded_quads(quads.positions, quads.faces, quads.triangles);
+  EXPECT_EQ(quads.triangles, before);
 }
 
 }  // namespace

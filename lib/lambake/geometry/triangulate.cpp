@@ -1,7 +1,10 @@
 #include "lambake/geometry/triangulate.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
+#include <map>
 
 namespace lambake {
 namespace {
@@ -141,7 +144,58 @@ class EarClipper {
   std::size_t steps_left_ = 0;
 };
 
+/// Cuts the quadrilateral abcd of abc at `first` and acd behind it along bd, if that leaves both wound as it
+/// is.
+bool turn_diagonal(std::span<const glm::vec3> positions, std::span<glm::uvec3> triangles, std::size_t first) {
+  const std::uint32_t a = triangles[first].x, b = triangles[first].y, c = triangles[first].z,
+                      d = triangles[first + 1].z;
+  const glm::dvec3 pb(positions[b]), bd = glm::dvec3(positions[d]) - pb;
+  const glm::dvec3 bcd = glm::cross(glm::dvec3(positions[c]) - pb, bd),
+                   bda = glm::cross(bd, glm::dvec3(positions[a]) - pb);
+  if (!(glm::dot(bcd, bda) > 0)) return false;
+  triangles[first] = {b, c, d};
+  triangles[first + 1] = {b, d, a};
+  return true;
+}
+
+std::array<std::uint32_t, 3> sorted_corners(const glm::uvec3& t) {
+  std::array<std::uint32_t, 3> corners{t.x, t.y, t.z};
+  std::sort(corners.begin(), corners.end());
+  return corners;
+}
+
 }  // namespace
+
+void part_folded_quads(std::span<const glm::vec3> positions, std::span<const std::uint32_t> faces,
+                       std::span<glm::uvec3> triangles) {
+  std::vector<std::uint8_t> n_triangles(positions.size(), 0);  // At a vertex, up to 3.
+  for (const glm::uvec3& t : triangles)
+    for (int c = 0; c < 3; ++c) n_triangles[t[c]] = std::min(3, n_triangles[t[c]] + 1);
+  // The first triangle of the quadrilateral that has this one, or none.
+  constexpr auto none = static_cast<std::size_t>(-1);
+  const auto quad_of = [&](std::size_t f) {
+    const auto is_same = [&](std::size_t g) { return g < faces.size() && faces[g] == faces[f]; };
+    if (is_same(f + 1) && !is_same(f + 2) && !is_same(f - 1)) return f;
+    return is_same(f - 1) && !is_same(f - 2) && !is_same(f + 1) ? f - 1 : none;
+  };
+  std::map<std::uint32_t, std::size_t> first_at;
+  for (std::size_t f = 0; f < triangles.size(); ++f) {
+    const std::size_t quad = quad_of(f);
+    if (quad == none) continue;
+    const glm::uvec3& partner = triangles[2 * quad + 1 - f];
+    for (int c = 0; c < 3; ++c) {
+      const std::uint32_t v = triangles[f][c];
+      if (n_triangles[v] != 2 || glm::any(glm::equal(partner, glm::uvec3(v)))) continue;
+      const auto [other, is_first] = first_at.try_emplace(v, f);
+      if (is_first || faces[other->second] == faces[f] ||
+          sorted_corners(triangles[other->second]) != sorted_corners(triangles[f]))
+        continue;
+      if (!turn_diagonal(positions, triangles, quad))
+        turn_diagonal(positions, triangles, quad_of(other->second));
+      break;
+    }
+  }
+}
 
 bool triangulate_polygon(std::span<const glm::vec3> positions, std::span<const std::uint32_t> corners,
                          std::vector<glm::uvec3>& triangles) {

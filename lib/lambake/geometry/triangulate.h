@@ -21,4 +21,11 @@ namespace lambake {
 bool triangulate_polygon(std::span<const glm::vec3> positions, std::span<const std::uint32_t> polygon,
                          std::vector<glm::uvec3>& triangles);
 
+/// Two quadrilaterals that share three vertices, as around a vertex inside that no other face has, must not
+/// be cut along the same diagonal: the same triangle would be there twice, back to back. Where they are, one
+/// of them is cut along its other diagonal, unless that would turn a triangle over. O(V + F).
+/// @param faces  F: the polygon of each triangle, those of one side by side.
+void part_folded_quads(std::span<const glm::vec3> positions, std::span<const std::uint32_t> faces,
+                       std::span<glm::uvec3> triangles);
+
 }  // namespace lambake

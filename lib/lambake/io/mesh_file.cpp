@@ -10,6 +10,7 @@
 #include "lambake/core/bounds.h"
 #include "lambake/core/error.h"
 #include "lambake/geometry/defects.h"
+#include "lambake/geometry/triangulate.h"
 #include "lambake/io/canonical_file.h"
 #include "lambake/io/file_extension.h"
 #include "lambake/io/openmesh_read.h"
@@ -177,6 +178,7 @@ SceneFile read_mesh_file(const std::string& path) {
   mesh.opacities = std::move(file.opacities);
   mesh.triangles = std::move(arrays.triangles);
   mesh.source_faces = std::move(arrays.faces);
+  if (!mesh.source_faces.empty()) part_folded_quads(mesh.positions, mesh.source_faces, mesh.triangles);
 
   const std::size_t n_expected = file.n_vertices + file.copied_vertices.size();
   const std::size_t n_kept = file.face_indices.empty() ? file.n_faces : file.face_indices.size();
