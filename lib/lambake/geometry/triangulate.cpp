@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <map>
+#include <utility>
 
 namespace lambake {
 namespace {
@@ -158,6 +159,18 @@ bool turn_diagonal(std::span<const glm::vec3> positions, std::span<glm::uvec3> t
   return true;
 }
 
+/// The cosine between the normals of the triangle at `first` and of the one behind it; 0 where one has none.
+double flatness(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles,
+                std::size_t first) {
+  const auto normal = [&](const glm::uvec3& t) {
+    const glm::dvec3 p(positions[t.x]);
+    return glm::cross(glm::dvec3(positions[t.y]) - p, glm::dvec3(positions[t.z]) - p);
+  };
+  const glm::dvec3 one = normal(triangles[first]), two = normal(triangles[first + 1]);
+  const double size = glm::length(one) * glm::length(two);
+  return size > 0 ? glm::dot(one, two) / size : 0;
+}
+
 std::array<std::uint32_t, 3> sorted_corners(const glm::uvec3& t) {
   std::array<std::uint32_t, 3> corners{t.x, t.y, t.z};
   std::sort(corners.begin(), corners.end());
@@ -190,8 +203,9 @@ void part_folded_quads(std::span<const glm::vec3> positions, std::span<const std
       if (is_first || faces[other->second] == faces[f] ||
           sorted_corners(triangles[other->second]) != sorted_corners(triangles[f]))
         continue;
-      if (!turn_diagonal(positions, triangles, quad))
-        turn_diagonal(positions, triangles, quad_of(other->second));
+      std::size_t one = quad, two = quad_of(other->second);
+      if (flatness(positions, triangles, two) < flatness(positions, triangles, one)) std::swap(one, two);
+      if (!turn_diagonal(positions, triangles, one)) turn_diagonal(positions, triangles, two);
       break;
     }
   }
