@@ -126,6 +126,17 @@ TEST_F(ObjMaterialsTest, TexturesOfFacesWithoutTexcoords_AreNotUsed_AndTold) {
   EXPECT_EQ(looks(mixed, 0), std::pair(true, true));
   EXPECT_EQ(count_of(mixed, "textures_without_texcoords"), 0u);
   EXPECT_EQ(count_of(mixed, "corners_without_texcoord"), 4u);
+  // No texture looks them up.
+  write("p.mtl", "newmtl plain\nKd 1 0 0\n");
+  const std::string plain_quad = "mtllib p.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 1\nusemtl plain\n";
+  EXPECT_EQ(count_of(read("d.obj", plain_quad + "f 1 2 3 4\nf 1/1 2/1 3/1\n"), "corners_without_texcoord"),
+            0u);
+}
+
+TEST_F(ObjMaterialsTest, SeveralObjectsOrGroups_AreTold) {
+  const std::string body = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+  EXPECT_EQ(count_of(read("a.obj", "o Cube\n" + body), "objects_joined"), 0u);
+  EXPECT_EQ(count_of(read("b.obj", "o Cube\n" + body + "o Lid\nf 3 2 1\ng Lid\n"), "objects_joined"), 2u);
 }
 
 TEST_F(ObjMaterialsTest, TransparencyOfEveryKind_IsToldOnceForEachMaterial) {

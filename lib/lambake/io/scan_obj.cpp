@@ -7,7 +7,9 @@
 #include <cstring>
 #include <limits>
 #include <optional>
+#include <set>
 #include <span>
+#include <string>
 
 #include "lambake/core/bounds.h"
 #include "lambake/core/error.h"
@@ -229,16 +231,19 @@ class ObjScan {
         scan_face(cursor, material);
       } else if (keyword == "usemtl") {
         material = materials_.use(std::string(cursor.rest_of_line()));
+      } else if (keyword == "o" || keyword == "g") {
+        names_.insert(std::string(cursor.rest_of_line()));
       } else if (keyword == "l" || keyword == "p") {
         ++n_lines_and_points_;
       } else {
-        constexpr std::string_view ignored[] = {"vc", "vp",  "g",      "o",      "s",
-                                                "mg", "lod", "usemap", "maplib", "mtllib"};
+        constexpr std::string_view ignored[] = {"vc", "vp", "s", "mg", "lod", "usemap", "maplib", "mtllib"};
         n_unknown += std::find(std::begin(ignored), std::end(ignored), keyword) == std::end(ignored);
       }
     });
     add_finding(file_.findings, "unknown_lines", n_unknown,
                 "line[ has|s have] a keyword that is not read; left out");
+    add_finding(file_.findings, "objects_joined", names_.size() > 1 ? names_.size() : 0,
+                "objects and groups become one mesh; their names are left out");
     add_finding(file_.findings, "lines_and_points", n_lines_and_points_,
                 "line[ or point is|s or points are] no surface; left out");
   }
@@ -333,9 +338,11 @@ class ObjScan {
     if (!has_normals && n_without_normal_ < n_corners_)
       add_finding(file_.findings, "corners_without_normal", n_without_normal_,
                   "corner[ has|s have] no normal, so the file's normals are not used");
-    std::size_t n_without_texcoord = 0;  // Beside corners of the same material that have one.
+    std::size_t n_without_texcoord = 0;  // Beside corners of the same textured material that have one.
     for (std::size_t m = 0; m < has_texcoord.size(); ++m)
-      if (has_texcoord[m]) n_without_texcoord += n_without_texcoord_[m];
+      if (has_texcoord[m] && (file_.materials[m].base_color_texture != no_texture ||
+                              file_.materials[m].emission_texture != no_texture))
+        n_without_texcoord += n_without_texcoord_[m];
     add_finding(file_.findings, "corners_without_texcoord", n_without_texcoord,
                 "corner[ has|s have] no texture coordinate; (0,1) instead");
     add_finding(file_.findings, "non_finite_attributes", n_odd_attributes_,
@@ -383,6 +390,7 @@ class ObjScan {
               n_lines_and_points_ = 0;
   std::size_t n_corners_ = 0, n_without_normal_ = 0;
   std::vector<std::size_t> n_without_texcoord_;  // Corners of each material.
+  std::set<std::string> names_;                  // Of objects and groups.
   bool has_colors_ = false, has_materials_ = false, has_usemtl_ = false;
 };
 
