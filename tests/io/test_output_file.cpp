@@ -1,6 +1,7 @@
 #include "lambake/io/output_file.h"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -78,14 +79,24 @@ TEST_F(OutputFiles, FolderThatIsNotThere_IsAnErrorThatNamesTheFile) {
   }
 }
 
-TEST_F(OutputFiles, PlaceTakenByAFolder_IsAnError_AndLeavesNothing) {
+TEST_F(OutputFiles, PlaceTakenByAFolderOrPipe_IsAnError_AndLeavesNothing) {
   fs::create_directories(path_ / "inside");
-  {
-    OutputFile file(path_.string());
-    file.write("bytes");
-    EXPECT_THROW(file.commit(), IoError);
-  }
-  EXPECT_EQ(n_files(), 1U);
+  EXPECT_THROW(OutputFile(path_.string()), IoError);
+  const fs::path pipe = folder_ / "pipe.ply";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_THROW(OutputFile(pipe.string()), IoError);
+  EXPECT_TRUE(fs::is_fifo(pipe));
+  EXPECT_EQ(n_files(), 2U);
+}
+
+TEST_F(OutputFiles, SymbolicLink_StaysAndLeadsToTheNewFile) {
+  fs::create_directory(folder_ / "elsewhere");
+  const fs::path target = folder_ / "elsewhere" / "real.ply";
+  std::ofstream(target) << "earlier";
+  fs::create_symlink("elsewhere/real.ply", path_);
+  write_file(path_.string(), "now");
+  EXPECT_TRUE(fs::is_symlink(path_));
+  EXPECT_EQ(content(target), "now");
 }
 
 TEST_F(OutputFiles, FullDisk_IsAnErrorAtTheLatestWhenCommitted) {

@@ -9,8 +9,26 @@
 
 namespace lambake {
 
+namespace {
+
+/// Where the bytes of a file go: what a symbolic link leads to is replaced, not the link.
+std::string target_of(const std::string& path) {
+  std::error_code error;
+  const std::filesystem::file_status status = std::filesystem::status(path, error);
+  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status))
+    throw IoError(path, "expected a file to replace, found a folder, device or pipe");
+  if (!std::filesystem::is_symlink(path, error)) return path;
+  const std::string target = std::filesystem::weakly_canonical(path, error).string();
+  if (error) throw IoError(path, "cannot be written: " + error.message());
+  return target;
+}
+
+}  // namespace
+
 OutputFile::OutputFile(const std::string& path)
-    : path_(path), temporary_(path), stream_(temporary_.path(), std::ios::binary | std::ios::trunc) {
+    : path_(target_of(path)),
+      temporary_(path_),
+      stream_(temporary_.path(), std::ios::binary | std::ios::trunc) {
   check_stream();
 }
 
