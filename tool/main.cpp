@@ -84,7 +84,22 @@ int main(int argc, char** argv) {
           fmt::format("expected a command ({}), found {} (see lambake --help)", fmt::join(commands, ", "),
                       is_unknown ? fmt::format("\"{}\"", argv[1]) : "none"),
           usage_error);
-    return fail(fmt::format("{} (see lambake --help)", error.what()), usage_error);
+    const auto given = app.get_subcommands();
+    const std::string help =
+        given.empty() ? "lambake --help" : fmt::format("lambake {} --help", given[0]->get_name());
+    if (dynamic_cast<const CLI::ExtrasError*>(&error) == nullptr)
+      return fail(fmt::format("{} (see {})", error.what(), help), usage_error);
+    const std::vector<std::string> extras = app.remaining(true);
+    const bool are_numbers = std::all_of(extras.begin(), extras.end(), [](const std::string& word) {
+      return word.find_first_not_of("+-.,0123456789eE") == std::string::npos;
+    });
+    return fail(
+        fmt::format("expected options, found {}{} (see {})", fmt::join(extras, " "),
+                    are_numbers
+                        ? "; numbers that belong together have commas between them, as in --sun 0.4,1,0.3"
+                        : "",
+                    help),
+        usage_error);
   }
   try {
     const int exit_code = run(quoted_command_line(argc, argv));

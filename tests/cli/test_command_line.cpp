@@ -48,6 +48,11 @@ TEST(CommandLine, NoCommandOrAnUnknownOne_IsNamedBesideThoseThatThereAre) {
   const std::string expected = "lambake: expected a command (bake, render, compare, chart, info), found ";
   EXPECT_EQ(run_tool(folder, "").err, expected + "none (see lambake --help)\n");
   EXPECT_EQ(run_tool(folder, "bakee in.off").err, expected + "\"bakee\" (see lambake --help)\n");
+  const std::string extras = "lambake: expected options, found ";
+  EXPECT_EQ(run_tool(folder, "bake in.off --sunn 1,1,1 -o a.glb").err,
+            extras + "--sunn 1,1,1 (see lambake bake --help)\n");
+  EXPECT_NE(run_tool(folder, "bake in.off --sun 1 1 1 -o a.glb").err.find("have commas between them"),
+            std::string::npos);
   EXPECT_EQ(run_tool(folder, "bakee in.off").exit_code, 2);
 }
 
