@@ -269,8 +269,12 @@ ColorOutput output_of(const std::string& path, const SceneFile& file, const Outp
 
 WrittenColors write_baked(const std::string& path, const SceneFile& file, const BakedColors& baked,
                           const OutputOptions& options) {
-  return file_extension(path) == "ply" ? write_ply_file(path, file.scene, baked, ply_options(options))
-                                       : write_gltf_file(path, file, baked, gltf_options(options));
+  if (file_extension(path) != "ply") return write_gltf_file(path, file, baked, gltf_options(options));
+  WrittenColors written = write_ply_file(path, file.scene, baked, ply_options(options));
+  const std::size_t n_objects = file.object_names.size();
+  add_finding(written.findings, "objects_joined", n_objects > 1 ? n_objects : 0,
+              "objects are one mesh in a PLY; their names are left out");
+  return written;
 }
 
 std::uintmax_t baked_bytes(const std::string& path) {

@@ -115,6 +115,26 @@ TEST_F(MeshFileTest, PositionsTooFarFromTheOriginForFloats_AreTold) {
   EXPECT_EQ(count_of(read("a.obj", near), "coarse_positions"), 0u);
 }
 
+TEST_F(MeshFileTest, ObjObjects_OrElseGroups_AreKeptByFace) {
+  const std::string points = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+  const auto objects = [&](const std::string& faces) {
+    const SceneFile file = read("a.obj", points + faces);
+    return std::pair(file.object_names, file.face_objects);
+  };
+  using Names = std::vector<std::string>;
+  using Numbers = std::vector<std::uint32_t>;
+  EXPECT_EQ(objects("f 1 2 3\n"), std::pair(Names{""}, Numbers{}));
+  EXPECT_EQ(objects("o Cube\nf 1 2 3\ng side\nf 3 2 1\n"), std::pair(Names{"Cube"}, Numbers{}));
+  EXPECT_EQ(objects("g a\nf 1 2 3\ng empty\ng b c\nf 3 2 1\ng a\nf 2 1 3\n"),
+            std::pair(Names({"a", "b c"}), Numbers({0, 1, 0})));
+  EXPECT_EQ(objects("f 1 2 3\nf 1 2\no K\xF6rper\nf 3 2 1\n"),
+            std::pair(Names({"", "K\u00F6rper"}), Numbers({0, 0, 1})));
+  std::string many;
+  for (int i = 0; i <= 10'000; ++i) many += "g " + std::to_string(i) + "\nf 1 2 3\n";
+  EXPECT_EQ(objects(many), std::pair(Names{}, Numbers{}));
+  EXPECT_EQ(count_of(read("a.obj", points + many), "objects_joined"), 10'001u);
+}
+
 TEST_F(MeshFileTest, ObjCornersThatDiffer_SplitTheirVertexAndOnlyIt) {
   const SceneFile file =
       read("a.obj",

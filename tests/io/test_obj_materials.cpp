@@ -133,12 +133,6 @@ TEST_F(ObjMaterialsTest, TexturesOfFacesWithoutTexcoords_AreNotUsed_AndTold) {
             0u);
 }
 
-TEST_F(ObjMaterialsTest, SeveralObjectsOrGroups_AreTold) {
-  const std::string body = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
-  EXPECT_EQ(count_of(read("a.obj", "o Cube\n" + body), "objects_joined"), 0u);
-  EXPECT_EQ(count_of(read("b.obj", "o Cube\n" + body + "o Lid\nf 3 2 1\ng Lid\n"), "objects_joined"), 2u);
-}
-
 TEST_F(ObjMaterialsTest, TransparencyOfEveryKind_IsToldOnceForEachMaterial) {
   for (const std::string line : {"d 0.5", "d -halo 0.5", "d 0", "Tr 0.5", "Tf 1 0.5 1", "Tf 0.5",
                                  "Tf xyz 1 1 1", "map_d a.png", "d 0.5\nTr 0.5"}) {

@@ -37,6 +37,8 @@ struct CanonicalFile {
   std::vector<glm::vec2> texcoords;  ///< V + C or none; instead of those in `bytes`; origin lower left.
   std::vector<std::uint32_t> face_materials;  ///< A material per face of the file, or none: all 0.
   std::vector<Material> materials;            ///< None: one white.
+  std::vector<std::uint32_t> face_objects;    ///< An object per face of the file, or none: all 0.
+  std::vector<std::string> object_names;      ///< UTF-8; may be empty.
   /// For each material whether a corner of its faces has a texture coordinate, or none: all, if the file has
   /// some.
   std::vector<bool> has_material_texcoords;

@@ -168,6 +168,8 @@ SceneFile read_mesh_file(const std::string& path) {
   SceneFile result;
   result.format = file.format;
   result.n_faces = file.n_faces;
+  result.face_objects = std::move(file.face_objects);
+  result.object_names = std::move(file.object_names);
   result.referred_files = std::move(file.referred_files);
   result.findings = std::move(file.findings);
   Mesh& mesh = result.scene.mesh;

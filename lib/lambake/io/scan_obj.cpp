@@ -6,14 +6,15 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <map>
 #include <optional>
-#include <set>
 #include <span>
 #include <string>
 
 #include "lambake/core/bounds.h"
 #include "lambake/core/error.h"
 #include "lambake/core/hash.h"
+#include "lambake/core/utf8.h"
 #include "lambake/geometry/split_corners.h"
 #include "lambake/io/canonical_file.h"
 #include "lambake/io/canonical_ply.h"
@@ -139,6 +140,8 @@ class ObjScan {
         ++n_face_lines_;
       } else if (keyword == "usemtl") {
         has_usemtl_ = true;
+      } else if (keyword == "o") {
+        has_objects_ = true;
       } else if (keyword == "mtllib") {
         materials_.read_libraries(cursor.rest_of_line());
       }
@@ -231,19 +234,26 @@ class ObjScan {
         scan_face(cursor, material);
       } else if (keyword == "usemtl") {
         material = materials_.use(std::string(cursor.rest_of_line()));
-      } else if (keyword == "o" || keyword == "g") {
-        names_.insert(std::string(cursor.rest_of_line()));
+      } else if (keyword == (has_objects_ ? "o" : "g")) {
+        object_ = none;
+        object_name_ = std::string(cursor.rest_of_line());
       } else if (keyword == "l" || keyword == "p") {
         ++n_lines_and_points_;
       } else {
-        constexpr std::string_view ignored[] = {"vc", "vp", "s", "mg", "lod", "usemap", "maplib", "mtllib"};
+        constexpr std::string_view ignored[] = {"vc", "vp",  "g",      "o",      "s",
+                                                "mg", "lod", "usemap", "maplib", "mtllib"};
         n_unknown += std::find(std::begin(ignored), std::end(ignored), keyword) == std::end(ignored);
       }
     });
     add_finding(file_.findings, "unknown_lines", n_unknown,
                 "line[ has|s have] a keyword that is not read; left out");
-    add_finding(file_.findings, "objects_joined", names_.size() > 1 ? names_.size() : 0,
-                "objects and groups become one mesh; their names are left out");
+    constexpr std::size_t most_objects = 10'000;
+    if (file_.object_names.size() > most_objects) {
+      add_finding(file_.findings, "objects_joined", file_.object_names.size(),
+                  "objects or groups are too many to keep them apart; they become one mesh without names");
+      free(file_.face_objects);
+      file_.object_names.clear();
+    }
     add_finding(file_.findings, "lines_and_points", n_lines_and_points_,
                 "line[ or point is|s or points are] no surface; left out");
   }
@@ -276,7 +286,10 @@ class ObjScan {
       if (!cursor.at_separator()) cursor.fail_at(begin, "v, v/vt, v//vn or v/vt/vn");
       corners_.push_back(corner);
     }
-    set_material(static_cast<std::uint32_t>(file_.n_faces++), material);
+    if (object_ == none) object_ = number_of_object(object_name_);
+    set_of_face(file_.face_objects, object_);
+    set_of_face(file_.face_materials, material);
+    ++file_.n_faces;
     if (!kept_.keep(corners_.size())) return;
     ids_.clear();
     n_without_texcoord_.resize(file_.materials.size());
@@ -310,13 +323,19 @@ class ObjScan {
     if (index != none) of_vertices[id] = of_file[index];
   }
 
-  void set_material(std::uint32_t face, std::uint32_t material) {
-    if (!has_materials_) {
-      if (material == 0) return;
-      has_materials_ = true;
-      file_.face_materials.assign(face, 0);
-    }
-    file_.face_materials.push_back(material);
+  /// Of the next face. As long as all are 0 there is no list.
+  void set_of_face(std::vector<std::uint32_t>& of_faces, std::uint32_t value) const {
+    if (of_faces.empty() && value == 0) return;
+    if (of_faces.empty()) of_faces.assign(file_.n_faces, 0);
+    of_faces.push_back(value);
+  }
+
+  /// Only names that have faces get one.
+  std::uint32_t number_of_object(const std::string& name) {
+    const auto [entry, is_new] =
+        object_of_.try_emplace(name, static_cast<std::uint32_t>(file_.object_names.size()));
+    if (is_new) file_.object_names.push_back(utf8_of(name));
+    return entry->second;
   }
 
   template <typename T>
@@ -389,9 +408,11 @@ class ObjScan {
   std::size_t n_vertices_ = 0, n_uncolored_ = 0, n_odd_attributes_ = 0, n_face_lines_ = 0,
               n_lines_and_points_ = 0;
   std::size_t n_corners_ = 0, n_without_normal_ = 0;
-  std::vector<std::size_t> n_without_texcoord_;  // Corners of each material.
-  std::set<std::string> names_;                  // Of objects and groups.
-  bool has_colors_ = false, has_materials_ = false, has_usemtl_ = false;
+  std::vector<std::size_t> n_without_texcoord_;     // Corners of each material.
+  std::map<std::string, std::uint32_t> object_of_;  // Of each name of an object, or else of a group.
+  std::string object_name_;
+  std::uint32_t object_ = none;  // Of the next face; none: that of the name.
+  bool has_colors_ = false, has_usemtl_ = false, has_objects_ = false;
 };
 
 }  // namespace

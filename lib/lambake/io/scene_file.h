@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -16,8 +17,10 @@ struct GltfAsset;  ///< The glTF file as read, kept so that it can be written ba
 struct SceneFile {
   Scene scene;         ///< Without lights where the file has none; normals as the file has them, or none.
   std::string format;  ///< "PLY ascii", "STL binary", "GLB", …
-  std::size_t n_vertices = 0;  ///< As the file counts them, before splits.
-  std::size_t n_faces = 0;     ///< As the file counts them: polygons, before triangulation.
+  std::size_t n_vertices = 0;               ///< As the file counts them, before splits.
+  std::size_t n_faces = 0;                  ///< As the file counts them: polygons, before triangulation.
+  std::vector<std::uint32_t> face_objects;  ///< An object per face of the file (`n_faces`), or none: all 0.
+  std::vector<std::string> object_names;    ///< UTF-8; those of no name are "". None: one without.
   /// Paths of materials, buffers and images that it refers to, there or not.
   std::vector<std::string> referred_files;
   Findings findings;                       ///< Repaired, dropped or kept though odd.

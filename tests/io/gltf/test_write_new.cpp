@@ -59,6 +59,38 @@ TEST(NewGltf, OpacitiesOfVertices_AreBlended_UnlessNothingWouldBeSeen) {
   EXPECT_EQ(mode_of(square.write()), "MASK");
 }
 
+TEST(NewGltf, ObjectsOfTheFile_AreNodesWithTheirNames_AndShareMaterials) {
+  Square square;
+  SceneFile& file = square.file;
+  file.scene.materials.resize(2);
+  file.scene.materials[1].name = "second";
+  file.scene.mesh.triangles = {{0, 1, 2}, {0, 2, 3}, {2, 1, 0}, {3, 2, 0}};
+  file.scene.mesh.materials = {0, 1, 1, 1};
+  file.scene.mesh.source_faces = {0, 1, 1, 2};  // The face in the middle was a polygon.
+  file.face_objects = {1, 1, 0};
+  file.object_names = {"lid", "box"};
+  const Glb glb = square.write();
+  EXPECT_EQ(glb.json["scenes"][0]["nodes"], GltfJson({0, 1}));
+  for (const auto& [i, name] : {std::pair{0, "lid"}, {1, "box"}}) {
+    EXPECT_EQ(glb.json["nodes"][i], GltfJson({{"name", name}, {"mesh", i}}));
+    EXPECT_EQ(glb.json["meshes"][i]["name"], name);
+  }
+  EXPECT_EQ(glb.json["materials"].size(), 2U);
+  ASSERT_EQ(glb.json["meshes"][0]["primitives"].size(), 1U);
+  ASSERT_EQ(glb.json["meshes"][1]["primitives"].size(), 2U);
+  const auto material = [&](int mesh, int primitive) {
+    return glb
+        .json["materials"][glb.json["meshes"][mesh]["primitives"][primitive]["material"].get<std::size_t>()]
+        .value("name", "");
+  };
+  EXPECT_EQ(material(0, 0), "second");
+  EXPECT_EQ(material(1, 0), "");
+  EXPECT_EQ(material(1, 1), "second");
+  // The colours went along.
+  EXPECT_EQ(glb.value<std::uint16_t>(glb.attribute(0, 0, "COLOR_0"), 0, 2), 32768);
+  EXPECT_EQ(glb.value<std::uint16_t>(glb.attribute(0, 0, "COLOR_0"), 1, 0), 8192);
+}
+
 TEST(NewGltf, Square_EveryStorage_HoldsTheColoursWithinHalfAStep) {
   const struct {
     ColorStorage storage;

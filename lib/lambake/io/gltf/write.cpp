@@ -14,7 +14,7 @@ WrittenColors write_gltf_file(const std::string& path, const SceneFile& file, co
                               const GltfWriteOptions& options) {
   check_gltf_write_options(options);
   if (file.asset) return write_gltf_asset(path, *file.asset, file.scene, baked, options);
-  return write_new_gltf(path, file.scene, baked, options);
+  return write_new_gltf(path, file, baked, options);
 }
 
 ColorOutput gltf_output(const SceneFile& file, const GltfWriteOptions& options) {

@@ -7,8 +7,8 @@
 /// The two ways a glTF file is made, and what they share; internal to io.
 namespace lambake {
 
-/// A new asset with the arrays of the mesh that carries the colours.
-WrittenColors write_new_gltf(const std::string& path, const Scene& scene, const BakedColors& baked,
+/// A new asset with the arrays of the mesh that carries the colours, a node for each object of the file.
+WrittenColors write_new_gltf(const std::string& path, const SceneFile& file, const BakedColors& baked,
                              const GltfWriteOptions& options);
 
 /// The asset as it was read, with its light added. `baked` is of `scene`, which was read with the asset.

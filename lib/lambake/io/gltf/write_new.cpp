@@ -1,9 +1,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
+#include <tuple>
 #include <utility>
 
 #include "lambake/core/bounds.h"
@@ -31,7 +33,7 @@ ColorEncoding encoding_of(const GltfWriteOptions& options) {
 
 /// The vertices and triangles of one primitive, by their indices in the mesh.
 struct Part {
-  std::uint32_t material = 0;
+  std::uint32_t object = 0, material = 0;
   bool is_whole = false;  ///< All of the mesh, as it is; the lists are empty.
   std::vector<std::uint32_t> vertices;
   std::vector<glm::uvec3> triangles;  ///< Of `vertices`.
@@ -62,24 +64,28 @@ class KeptArrays {
 
 class NewAsset {
  public:
-  NewAsset(const Scene& scene, const BakedColors& baked, const GltfWriteOptions& options)
-      : scene_(scene), mesh_(mesh_of(scene, baked)), colors_(baked.colors), options_(options) {
-    check_colors(scene, baked, "glTF writing");
+  NewAsset(const SceneFile& file, const BakedColors& baked, const GltfWriteOptions& options)
+      : file_(file),
+        scene_(file.scene),
+        mesh_(mesh_of(scene_, baked)),
+        colors_(baked.colors),
+        options_(options) {
+    check_colors(scene_, baked, "glTF writing");
   }
 
   /// The document borrows from the scene, the colours and this.
   WrittenColors build(GltfDocument& document) {
     document.json = {{"asset", {{"version", "2.0"}, {"generator", "lambake"}}},
                      {"scene", 0},
-                     {"scenes", {{{"nodes", {0}}}}},
-                     {"nodes", {{{"mesh", 0}}}},
-                     {"meshes", {{{"primitives", GltfJson::array()}}}}};
-    parts_ = split_by_material();
+                     {"scenes", {{{"nodes", GltfJson::array()}}}}};
+    parts_ = split();
     if (parts_.empty()) throw InvalidScene("glTF writing: no triangle of finite vertices is left to write");
-    for (const Part& part : parts_) {
+    for (std::size_t p = 0; p < parts_.size(); ++p) {
+      const Part& part = parts_[p];
+      if (p == 0 || part.object != parts_[p - 1].object) add_node(document, part.object);
       GltfJson primitive = write_primitive(document, part);
-      primitive["material"] = write_material(document, scene_.materials[part.material], is_blended(part));
-      document.json["meshes"][0]["primitives"].push_back(std::move(primitive));
+      primitive["material"] = material_for(document, part.material, is_blended(part));
+      document.json["meshes"].back()["primitives"].push_back(std::move(primitive));
     }
     written_.clipped_vertices = losses_.n_above;
     tell_storage(written_.findings, losses_);
@@ -93,33 +99,48 @@ class NewAsset {
   }
 
  private:
-  /// One part per material that has triangles. Vertices keep their order; those of no triangle stay only
-  /// where the mesh is one part.
-  std::vector<Part> split_by_material() {
-    if (mesh_.materials.empty() && mesh_.n_triangles() > 0 &&
+  /// With a mesh of its own, without primitives.
+  void add_node(GltfDocument& document, std::uint32_t object) {
+    GltfJson node = GltfJson::object(), mesh = GltfJson::object();
+    if (object < file_.object_names.size() && !file_.object_names[object].empty())
+      node["name"] = mesh["name"] = file_.object_names[object];
+    mesh["primitives"] = GltfJson::array();
+    node["mesh"] = append_to(document.json, "meshes", std::move(mesh));
+    const std::size_t index = append_to(document.json, "nodes", std::move(node));
+    document.json["scenes"][0]["nodes"].push_back(index);
+  }
+
+  /// One part per object and material that has triangles, those of an object side by side. Vertices keep
+  /// their order; those of no triangle stay only where the mesh is one part.
+  std::vector<Part> split() {
+    if (mesh_.materials.empty() && file_.face_objects.empty() && mesh_.n_triangles() > 0 &&
         std::all_of(mesh_.positions.begin(), mesh_.positions.end(),
                     [](const glm::vec3& p) { return is_finite(p); }))
       return {Part{.is_whole = true, .vertices = {}, .triangles = {}}};
     std::vector<bool> is_sound(mesh_.n_vertices());
     for (std::size_t v = 0; v < mesh_.n_vertices(); ++v) is_sound[v] = is_finite(mesh_.positions[v]);
-    std::vector<Part> parts(scene_.materials.size());
-    std::size_t n_dropped = 0, n_materials = 0;
+    std::map<std::pair<std::uint32_t, std::uint32_t>, Part> part_of;
+    std::size_t n_dropped = 0;
     for (std::size_t f = 0; f < mesh_.n_triangles(); ++f) {
       const glm::uvec3& t = mesh_.triangles[f];
       if (!(is_sound[t[0]] && is_sound[t[1]] && is_sound[t[2]])) {
         ++n_dropped;
         continue;
       }
-      parts[mesh_.material_of(f)].triangles.push_back(t);
+      const std::uint32_t object =
+          file_.face_objects.empty() ? 0 : file_.face_objects[mesh_.source_face_of(f)];
+      part_of[{object, mesh_.material_of(f)}].triangles.push_back(t);
     }
-    for (std::uint32_t m = 0; m < parts.size(); ++m) parts[m].material = m;
-    std::erase_if(parts, [](const Part& part) { return part.triangles.empty(); });
-    n_materials = parts.size();
+    std::vector<Part> parts;
+    for (auto& [key, part] : part_of) {
+      std::tie(part.object, part.material) = key;
+      parts.push_back(std::move(part));
+    }
     std::vector<bool> is_written(mesh_.n_vertices(), false);
     // Used again by each part: with many materials an array for each would take quadratic time.
     std::vector<std::uint32_t> index(mesh_.n_vertices());
     for (Part& part : parts) {
-      choose_vertices(part, is_sound, n_materials == 1);
+      choose_vertices(part, is_sound, parts.size() == 1);
       for (std::uint32_t i = 0; i < part.vertices.size(); ++i) index[part.vertices[i]] = i;
       for (glm::uvec3& t : part.triangles)
         for (int c = 0; c < 3; ++c) t[c] = index[t[c]];
@@ -130,10 +151,11 @@ class NewAsset {
       if (is_sound[v] && !is_written[v]) ++n_left_out;
     add_finding(written_.findings, "faces_left_out", n_dropped,
                 "face[ has|s have] a vertex that is not finite, which glTF forbids; left out of the file");
-    if (n_materials > 1)
+    if (parts.size() > 1)
       add_finding(
           written_.findings, "vertices_left_out", n_left_out,
-          "vert[ex belongs|ices belong] to no written face and so to no material; left out of the file");
+          "vert[ex belongs|ices belong] to no written face and so to no object and material; left out "
+          "of the file");
     return parts;
   }
 
@@ -232,6 +254,12 @@ class NewAsset {
     return is_visible && n_below > 0;
   }
 
+  std::size_t material_for(GltfDocument& document, std::uint32_t material, bool is_blended) {
+    const auto [written, is_new] = material_of_.try_emplace({material, is_blended}, 0);
+    if (is_new) written->second = write_material(document, scene_.materials[material], is_blended);
+    return written->second;
+  }
+
   /// Base colour and emission are in the vertex colours: only the texture is left to the material.
   std::size_t write_material(GltfDocument& document, const Material& material, bool is_blended) {
     GltfJson pbr{{"metallicFactor", 0.0}};
@@ -296,11 +324,13 @@ class NewAsset {
     return picture;
   }
 
+  const SceneFile& file_;
   const Scene& scene_;
   const Mesh& mesh_;
   const std::vector<LinearRgb>& colors_;
   const GltfWriteOptions& options_;
   std::vector<Part> parts_;
+  std::map<std::pair<std::uint32_t, bool>, std::size_t> material_of_;  // Written, by whether it is blended.
   KeptArrays kept_;
   WrittenColors written_;
   StorageLosses losses_;
@@ -326,10 +356,10 @@ ColorOutput new_gltf_output(const Scene& scene, const GltfWriteOptions& options)
   return output;
 }
 
-WrittenColors write_new_gltf(const std::string& path, const Scene& scene, const BakedColors& baked,
+WrittenColors write_new_gltf(const std::string& path, const SceneFile& file, const BakedColors& baked,
                              const GltfWriteOptions& options) {
   GltfDocument document;
-  NewAsset asset(scene, baked, options);
+  NewAsset asset(file, baked, options);
   WrittenColors written = asset.build(document);
   write_document(path, document);
   return written;
