@@ -138,9 +138,9 @@ void add_bake_options(CLI::App& command, BakeMethodOptions& options) {
       ->check(CLI::Range(0, 15))
       ->capture_default_str();
   command
-      .add_option(
-          "--light-tolerance", options.light_tolerance,
-          "how far merging many lamps may move a stored colour in [0,1], certified; 0 sums every lamp")
+      .add_option("--light-tolerance", options.light_tolerance,
+                  "how far merging many lamps may move a colour on screen, where white is 1, certified; 0 "
+                  "sums every lamp")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
   for (const MethodOption& option : method_options())

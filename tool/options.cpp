@@ -106,10 +106,13 @@ void apply_albedo(const std::string& text, SceneFile& file) {
     for (Material& material : file.scene.materials) material.base_color = material.base_color * albedo;
     return;
   }
-  // The materials of a glTF asset go back as they were: its vertices carry the albedo.
+  // The materials of a glTF asset go back as they were: its vertices carry the albedo, but those of unlit
+  // materials, which stay as they are.
   Mesh& mesh = file.scene.mesh;
   mesh.colors.resize(mesh.n_vertices(), LinearRgb{1, 1, 1});
-  for (LinearRgb& color : mesh.colors) color = color * albedo;
+  const std::vector<std::uint32_t> materials = vertex_materials(mesh);
+  for (std::size_t v = 0; v < mesh.n_vertices(); ++v)
+    if (!file.scene.materials[materials[v]].is_unlit) mesh.colors[v] = mesh.colors[v] * albedo;
 }
 
 /// Base colours without a texture become vertex colours, as a lit mesh file has one colour for both: what its
@@ -291,7 +294,8 @@ void add_scene_options(CLI::App& command, SceneOptions& options) {
   command.add_option("--lights", options.lights_file, "lights file (docs/lights.schema.json)");
   command.add_flag("--no-file-lights", options.no_file_lights, "leave out the lights of a glTF file");
   command.add_option("--scene", options.gltf_scene, "scene of a glTF file, by name or number");
-  command.add_option("--albedo", options.albedo, "multiplies the base colour: R,G,B in [0,1], linear");
+  command.add_option("--albedo", options.albedo,
+                     "multiplies the base colour of what is lit: R,G,B in [0,1], linear");
   command
       .add_option("--normals", options.normals,
                   "auto (the file's, else angle), file, angle, area, uniform, max or robust")

@@ -317,17 +317,6 @@ TEST(CommandLine, Render_TellsWhatAScreenDoesNotShow) {
 
 TEST(CommandLine, MaterialsThatBlend_AreToldByWhatDrawsThem) {
   const ScratchFolder folder("blend");
-  const auto write = [&](const char* mode) {
-    std::ofstream(folder / "in.gltf")
-        << R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],
-              "meshes":[{"primitives":[{"attributes":{"POSITION":0},"material":0}]}],
-              "materials":[{"alphaMode":")"
-        << mode << R"("}],"buffers":[{"byteLength":36,"uri":"data:application/octet-stream;base64,)"
-        << "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"
-        << R"("}],"bufferViews":[{"buffer":0,"byteLength":36}],
-              "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3",
-                            "min":[0,0,0],"max":[1,1,0]}]})";
-  };
   const auto is_told = [&](const std::string& command) {
     const ToolResult result = run_tool(folder, command + " --size 16x16 --json");
     EXPECT_EQ(result.exit_code, 0) << result.err;
@@ -337,9 +326,20 @@ TEST(CommandLine, MaterialsThatBlend_AreToldByWhatDrawsThem) {
     return false;
   };
   for (const char* mode : {"BLEND", "OPAQUE"}) {
-    write(mode);
+    write_triangle_gltf(folder / "in.gltf", std::string(R"({"alphaMode": ")") + mode + "\"}");
     EXPECT_EQ(is_told("render in.gltf -o a.png"), mode == std::string("BLEND"));
     EXPECT_EQ(is_told("compare in.gltf -o c"), mode == std::string("BLEND"));
+  }
+}
+
+// As a GLB leaves such a material as it is.
+TEST(CommandLine, Albedo_LeavesUnlitMaterialsAlone_InEveryOutput) {
+  const ScratchFolder folder("albedo");
+  for (const bool is_unlit : {true, false}) {
+    write_triangle_gltf(folder / "in.gltf",
+                        is_unlit ? R"({"extensions": {"KHR_materials_unlit": {}}})" : "{}");
+    ASSERT_EQ(run_tool(folder, "bake in.gltf --sun 0,0,1 --albedo 0,0,0 -o a.ply --quiet").exit_code, 0);
+    EXPECT_EQ(read_bytes(folder / "a.ply").find("\xff\xff\xff\xff") != std::string::npos, is_unlit);
   }
 }
 

@@ -14,6 +14,7 @@
 #include "lambake/core/value_numbers.h"
 #include "lambake/geometry/edges.h"
 #include "lambake/shading/patch.h"
+#include "lambake/shading/patch_parts.h"
 
 // Least-squares vertex baking: Kavan, Bargteil, Sloan, Computer Graphics Forum 30(4), 2011. The colours c
 // minimise
@@ -61,21 +62,15 @@ Patch patch_of(const Mesh& mesh, std::size_t triangle) {
   return patch;
 }
 
-/// ∫ b_i D⊗E dA / A over a triangle, column i for corner i: cut apart along the terminators, or quartered
-/// where none crosses it.
+/// ∫ b_i D⊗E dA / A over a triangle, column i for corner i: cut apart along the terminators and where light
+/// is narrow, or quartered where there is neither.
 glm::dmat3 moments(const Patch& patch, const std::vector<Light>& all) {
-  constexpr std::size_t most_parts = 16;
   std::vector<std::uint32_t> lights;
-  std::vector<glm::dmat3> parts{glm::dmat3(1.0)}, next;
   find_reaching_lights(all, patch, lights);
-  for (const std::uint32_t i : lights) {
-    next.clear();
-    for (const glm::dmat3& part : parts) cut_at_terminator(all[i], patch, part, next);
-    if (next.size() > most_parts) break;
-    parts.swap(next);
-  }
   glm::dmat3 sum(0.0);
   if (lights.empty()) return sum;
+  std::vector<glm::dmat3> parts = cut_at_terminators(patch, all, lights, 16);
+  quarter_wide_parts(patch, all, lights, parts);
   if (parts.size() == 1) {
     const std::array<glm::dmat3, 4> four = quarters(parts[0]);
     parts.assign(four.begin(), four.end());

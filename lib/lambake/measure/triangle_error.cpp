@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "lambake/core/quadrature.h"
-#include "lambake/geometry/triangle_distance.h"
+#include "lambake/shading/patch_parts.h"
 
 namespace lambake {
 
@@ -37,16 +37,8 @@ PerMeasure<glm::dvec3> TriangleError::operator()(const glm::dvec3& b) const {
 }
 
 std::vector<glm::dmat3> TriangleError::parts() const {
-  constexpr std::size_t max_parts = 8, max_quarters = 512;
-  constexpr int max_depth = 14;
-  std::vector<glm::dmat3> parts{glm::dmat3(1.0)}, next;
-  for (const std::uint32_t light : lights_) {
-    next.clear();
-    for (const glm::dmat3& part : parts)
-      cut_at_terminator(surface_.scene().lights[light], patch_, part, next);
-    if (next.size() > max_parts) break;
-    parts.swap(next);
-  }
+  const std::vector<Light>& all = surface_.scene().lights;
+  std::vector<glm::dmat3> parts = cut_at_terminators(patch_, all, lights_, 8), next;
   if (has_texture_)
     for (std::size_t n = surface_.n_triangles(), level = 0; n <= 4096 && level < 5; n *= 4, ++level) {
       next.clear();
@@ -54,18 +46,7 @@ std::vector<glm::dmat3> TriangleError::parts() const {
         for (const glm::dmat3& quarter : quarters(part)) next.push_back(quarter);
       parts.swap(next);
     }
-  std::vector<glm::dmat3> narrow;
-  const std::size_t most = parts.size() + max_quarters;
-  for (int depth = 0; depth < max_depth && narrow.size() + parts.size() < most; ++depth) {
-    next.clear();
-    for (const glm::dmat3& part : parts)
-      if (is_wide(part))
-        for (const glm::dmat3& quarter : quarters(part)) next.push_back(quarter);
-      else
-        narrow.push_back(part);
-    parts.swap(next);
-  }
-  parts.insert(parts.end(), narrow.begin(), narrow.end());
+  quarter_wide_parts(patch_, all, lights_, parts);
   return parts;
 }
 
@@ -85,29 +66,6 @@ std::optional<std::uint32_t> TriangleError::worst_light(const glm::dvec3& b) con
     if (size > worst) worst = size, light = i;
   }
   return light;
-}
-
-/// Whether a part is wider than a light is away, or than what its cone has lit there.
-bool TriangleError::is_wide(const glm::dmat3& part) const {
-  const glm::dmat3 p = patch_.positions * part;
-  const glm::dvec3 center = (p[0] + p[1] + p[2]) / 3.0;
-  const double width =
-      std::max({glm::length(p[1] - p[0]), glm::length(p[2] - p[1]), glm::length(p[0] - p[2])});
-  return std::any_of(lights_.begin(), lights_.end(), [&](std::uint32_t i) {
-    const Light& light = surface_.scene().lights[i];
-    if (light.type == LightType::directional) return false;
-    const glm::dvec3 at(light.position), to_center = center - at;
-    double slope = 1;
-    if (light.type == LightType::spot) {
-      slope = std::tan(std::min(double(light.outer_cone_rad), 1.57));
-      const glm::dvec3 axis(light.spot_direction);
-      const double along = glm::dot(to_center, axis), off = glm::length(to_center - along * axis);
-      if (off - width > std::max(0.0, along + width) * slope) return false;  // The cone misses it.
-      slope = std::min(slope, 1.0);
-    }
-    if (width <= slope * (glm::length(to_center) - width)) return false;  // Far away.
-    return width > slope * distance_from_origin(p[0] - at, p[1] - at, p[2] - at);
-  });
 }
 
 namespace {

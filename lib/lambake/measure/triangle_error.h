@@ -65,18 +65,14 @@ class TriangleError {
   std::size_t n_measures() const { return measures_.size(); }
   PerMeasure<glm::dvec3> operator()(const glm::dvec3& b) const;
 
-  /// The triangle cut along the terminators of its lights (their chords, where they are curves), as long as
-  /// that makes few parts: there the error has its kinks. Then quartered where a light is nearer than a part
-  /// is wide, or its cone narrower: what it lights must not fall between the places looked at. Where few
-  /// triangles have all of a texture between them, each is quartered for that.
+  /// The triangle cut at terminators, and quartered where light is narrow (shading/patch_parts.h). Where few
+  /// triangles have all of a texture between them, each is quartered for that too.
   std::vector<glm::dmat3> parts() const;
 
   /// The light whose share of the error at `b` is the largest; none where no light reaches the triangle.
   std::optional<std::uint32_t> worst_light(const glm::dvec3& b) const;
 
  private:
-  bool is_wide(const glm::dmat3& part) const;
-
   const ComparedSurface& surface_;
   std::size_t triangle_;
   std::span<const ErrorMeasure> measures_;
