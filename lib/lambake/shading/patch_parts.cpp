@@ -49,6 +49,8 @@ std::vector<glm::dmat3> cut_at_terminators(const Patch& patch, std::span<const L
 
 void quarter_wide_parts(const Patch& patch, std::span<const Light> all, std::span<const std::uint32_t> lights,
                         std::vector<glm::dmat3>& parts) {
+  const auto is_positional = [&](std::uint32_t i) { return all[i].type != LightType::directional; };
+  if (std::none_of(lights.begin(), lights.end(), is_positional)) return;
   constexpr std::size_t max_quarters = 512;
   constexpr int max_depth = 14;
   std::vector<glm::dmat3> narrow, next;
