@@ -173,6 +173,25 @@ TEST(LeastSquares, NarrowLight_IsNeverWorseThanSampling) {
   EXPECT_GT(n_better, 10U);
 }
 
+// What is solved of one thing does not stop short because of another, however much larger it is.
+TEST(LeastSquares, HugeGround_LeavesTheColoursOfASmallSphere) {
+  const Mesh sphere = icosphere(3);
+  const std::vector<Light> lights{sun({0.3f, 1, 0.2f}), lamp({2, 3, 1}, {0.5f, 1, 2})};
+  const BakedColors alone = least_squares(scene_of(sphere, lights), 0.003);
+  for (const float half_side : {100.0f, 1e5f}) {
+    Mesh mesh = sphere;
+    const auto first = static_cast<std::uint32_t>(mesh.n_vertices());
+    const Mesh ground = grid(1, half_side);
+    for (const glm::vec3& p : ground.positions) mesh.positions.push_back(p + glm::vec3(0, -1, 0));
+    for (const glm::uvec3& t : ground.triangles) mesh.triangles.push_back(t + first);
+    const BakedColors both = least_squares(scene_of(mesh, lights), 0.003);
+    float largest = 0;
+    for (std::size_t v = 0; v < first; ++v)
+      largest = std::max(largest, std::abs(both.colors[v].g - alone.colors[v].g));
+    EXPECT_LT(largest, 1e-6f) << half_side;
+  }
+}
+
 /// A disc around a corner, of two rings, cut into sectors whose widths span `decades` powers of ten.
 Mesh disc_of_sectors(double decades) {
   constexpr std::uint32_t n = 400;

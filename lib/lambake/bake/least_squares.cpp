@@ -23,8 +23,8 @@
 //
 // over the interior edges e between triangles of areas A_1, A_2, of which h is the least height: free of
 // scale, and however thin a triangle is, h times a derivative is at most what the colours of its corners
-// differ by. The colours are kept to what a file holds, so that nothing is clipped. The first term gives the
-// consistent mass matrix; both are the same for the three channels.
+// differ by. The colours are at least 0, and at most 1 where the light is, as files hold no others. The first
+// term gives the consistent mass matrix; both are the same for the three channels.
 namespace lambake {
 namespace {
 
@@ -305,19 +305,28 @@ auto sum_over_blocks(std::size_t n, const Body& body) {
   return std::accumulate(sums.begin(), sums.end(), decltype(body(n, n))(0.0));
 }
 
-/// By unknown, the channels that stay below 1, as files hold them: the light is at the vertex and, in the
-/// mean, around it.
-std::vector<glm::bvec3> keep_below_1(const System& system, const std::vector<glm::dvec3>& samples) {
-  std::vector<glm::bvec3> keep(samples.size());
-  for (std::size_t u = 0; u < keep.size(); ++u) {
-    const double mass = system.matrix.blocks[u / rows_per_block].sum(u % rows_per_block);
-    keep[u] = glm::lessThanEqual(glm::max(samples[u], system.right[u] / mass), glm::dvec3(1));
-  }
-  return keep;
-}
+/// What the solver starts from.
+struct Guess {
+  std::vector<glm::dvec3> x{};           ///< The samples, by unknown.
+  std::vector<glm::bvec3> is_below_1{};  ///< Channels that stay so: the light is at the vertex and, in the
+                                         ///< mean, around it.
+  /// The step of a colour that counts as none: far below what a file or a screen shows, and what double holds
+  /// of the brightest.
+  double resolution = 0;
+};
 
-/// Of a colour or of what pulls at one: far below what a file or a screen shows.
-constexpr double least_change = 1e-6;
+void set_bounds(const System& system, Guess& guess) {
+  double brightest = 0;
+  guess.is_below_1.resize(guess.x.size());
+  for (std::size_t u = 0; u < guess.x.size(); ++u) {
+    const double mass = system.matrix.blocks[u / rows_per_block].sum(u % rows_per_block);
+    const glm::dvec3 light = glm::max(guess.x[u], system.right[u] / mass);
+    guess.is_below_1[u] = glm::lessThanEqual(light, glm::dvec3(1));
+    for (int c = 0; c < 3; ++c)
+      if (std::isfinite(light[c])) brightest = std::max(brightest, light[c]);
+  }
+  guess.resolution = std::max(1e-8 * std::min(1.0, brightest), 1e-14 * brightest);
+}
 
 /// Where the solver is, for the three channels side by side.
 struct Iterate {
@@ -328,9 +337,22 @@ struct Iterate {
   std::vector<glm::bvec3> is_free;    ///< The others are held at a bound.
 };
 
-/// A step along `direction`, then conjugate gradients with the diagonal as preconditioner among what is free.
-/// @param limit  of the squared residual. @param n_left  of iterations: counted down.
-void descend(const Matrix& matrix, const glm::dvec3& limit, int& n_left, Iterate& at) {
+/// Of the free residual r and the diagonal d: Σ r²/d, and the largest |r|/d, a step of a colour.
+struct Distance {
+  glm::dvec3 square{0.0}, largest{0.0};
+
+  explicit Distance(double = 0) {}
+  friend Distance operator+(Distance a, const Distance& b) {
+    a.square += b.square;
+    a.largest = glm::max(a.largest, b.largest);
+    return a;
+  }
+};
+
+/// A step along `direction`, then conjugate gradients with the diagonal as preconditioner among what is free,
+/// until no colour is a step of `resolution` away. A large face elsewhere must not hide what small ones lack.
+/// @param n_left  of iterations: counted down.
+void descend(const Matrix& matrix, double resolution, int& n_left, Iterate& at) {
   const std::size_t n = at.x.size();
   const auto ratio = [](const glm::dvec3& a, const glm::dvec3& b) {
     glm::dvec3 r(0);  // where nothing is left to do
@@ -347,20 +369,20 @@ void descend(const Matrix& matrix, const glm::dvec3& limit, int& n_left, Iterate
   });
   glm::dvec3 step(1), old_rz(0);
   for (;;) {
-    const glm::dmat2x3 rr_rz = sum_over_blocks(n, [&](std::size_t begin, std::size_t end) {
-      glm::dmat2x3 sum(0.0);
+    const Distance left = sum_over_blocks(n, [&](std::size_t begin, std::size_t end) {
+      Distance sum;
       for (std::size_t u = begin; u < end; ++u) {
         at.x[u] += step * at.direction[u];
         at.residual[u] -= step * at.image[u];
-        const glm::dvec3 r = free_residual(u);
-        sum[0] += r * r;
-        sum[1] += r * r / matrix.diagonal[u];
+        const glm::dvec3 r = free_residual(u), change = r / matrix.diagonal[u];
+        sum.square += r * change;
+        sum.largest = glm::max(sum.largest, glm::abs(change));
       }
       return sum;
     });
-    if (!glm::any(glm::greaterThan(rr_rz[0], limit)) || --n_left <= 0) return;
-    const glm::dvec3 turn = ratio(rr_rz[1], old_rz);
-    old_rz = rr_rz[1];
+    if (!glm::any(glm::greaterThan(left.largest, glm::dvec3(resolution))) || --n_left <= 0) return;
+    const glm::dvec3 turn = ratio(left.square, old_rz);
+    old_rz = left.square;
     parallel_blocks(n, rows_per_block, [&](std::size_t begin, std::size_t end) {
       for (std::size_t u = begin; u < end; ++u)
         at.direction[u] = free_residual(u) / matrix.diagonal[u] + turn * at.direction[u];
@@ -375,13 +397,14 @@ void descend(const Matrix& matrix, const glm::dvec3& limit, int& n_left, Iterate
 
 /// Holds at its bound what is beyond, with a step there as the new direction, and frees what the residual
 /// pulls off. @param is_below_1  the bound above is 1; else there is none. @returns how many of both.
-std::size_t change_held(const Matrix& matrix, const std::vector<glm::bvec3>& is_below_1, Iterate& at) {
+std::size_t change_held(const Matrix& matrix, const Guess& guess, Iterate& at) {
+  const double least_change = 100 * guess.resolution;
   return sum_over_blocks(at.x.size(), [&](std::size_t begin, std::size_t end) {
     std::size_t n_changed = 0;
     for (std::size_t u = begin; u < end; ++u)
       for (int c = 0; c < 3; ++c) {
         const double x = at.x[u][c], pull = at.residual[u][c] / matrix.diagonal[u];
-        const bool is_low = x < -least_change, is_high = is_below_1[u][c] && x > 1 + least_change;
+        const bool is_low = x < -least_change, is_high = guess.is_below_1[u][c] && x > 1 + least_change;
         const bool was_free = at.is_free[u][c];
         const bool is_free = was_free ? !is_low && !is_high : (x < 0.5 ? pull : -pull) > least_change;
         at.direction[u][c] = was_free && !is_free ? (is_high ? 1 : 0) - x : 0;
@@ -397,28 +420,22 @@ struct Solution {
   std::size_t n_unsettled = 0;  ///< Unknowns that a step more would move by a 16-bit step or further.
 };
 
-/// Least squares with 0 <= x, and x <= 1 where `is_below_1`, by a primal-dual active set (Hintermüller, Ito,
-/// Kunisch 2002). Scaled by its diagonal the mass matrix has eigenvalues from 1/2 to 2 on any mesh (Wathen
-/// 1987) and the jumps add at most 72 α: few iterations, unless α is large.
-/// @param start  A guess. (The samples: where the iteration does not come to its end, it has not gone far.)
-Solution solve(const Matrix& matrix, std::vector<glm::dvec3> right, std::vector<glm::dvec3> start,
-               const std::vector<glm::bvec3>& is_below_1) {
-  constexpr double tolerance = 1e-9, settled = 1.0 / 65535;
+/// Least squares with 0 <= x, and x <= 1 where the guess says so, by a primal-dual active set (Hintermüller,
+/// Ito, Kunisch 2002). Scaled by its diagonal the matrix has eigenvalues between 1 / (2 + 144 α) and 4 on any
+/// mesh: the mass matrix, scaled by its own, from 1/2 to 2 (Wathen 1987), to which the jumps, of four colours
+/// each, add at most 72 α. So it takes few iterations, unless α is large. (From the samples: where it does
+/// not come to its end, it has not gone far.)
+Solution solve(const Matrix& matrix, std::vector<glm::dvec3> right, Guess guess) {
+  constexpr double settled = 1.0 / 65535;
   const std::size_t n = right.size();
   Iterate at{.x = std::vector<glm::dvec3>(n, glm::dvec3(0)),
              .residual = std::move(right),
-             .direction = std::move(start),
+             .direction = std::move(guess.x),
              .image = std::vector<glm::dvec3>(n),
              .is_free = std::vector<glm::bvec3>(n, glm::bvec3(true))};
-  const glm::dvec3 limit =
-      tolerance * tolerance * sum_over_blocks(n, [&](std::size_t begin, std::size_t end) {
-        glm::dvec3 sum(0);
-        for (std::size_t u = begin; u < end; ++u) sum += at.residual[u] * at.residual[u];
-        return sum;
-      });
   int n_left = 2000;
-  do descend(matrix, limit, n_left, at);
-  while (change_held(matrix, is_below_1, at) > 0 && n_left > 0);
+  do descend(matrix, guess.resolution, n_left, at);
+  while (change_held(matrix, guess, at) > 0 && n_left > 0);
 
   Solution solution{.x = std::move(at.x)};
   for (std::size_t u = 0; u < n; ++u) {
@@ -426,10 +443,10 @@ Solution solve(const Matrix& matrix, std::vector<glm::dvec3> right, std::vector<
     const glm::dvec3 before = x;
     x = glm::max(x, 0.0);
     for (int c = 0; c < 3; ++c)
-      if (is_below_1[u][c]) x[c] = std::min(x[c], 1.0);
+      if (guess.is_below_1[u][c]) x[c] = std::min(x[c], 1.0);
     const glm::dvec3 step = at.residual[u] / matrix.diagonal[u] * glm::dvec3(at.is_free[u]);
     solution.n_unsettled +=
-        n_left <= 0 && !glm::all(glm::lessThan(glm::abs(step) + glm::abs(x - before), glm::dvec3(settled)));
+        !glm::all(glm::lessThan(glm::abs(step) + glm::abs(x - before), glm::dvec3(settled)));
   }
   return solution;
 }
@@ -448,13 +465,13 @@ BakedColors bake_least_squares(const Scene& scene, const BakeOptions& options) {
   const Unknowns unknowns = find_unknowns(mesh);
 
   System system = system_of(scene, unknowns, options.gradient_weight);
-  std::vector<glm::dvec3> start(unknowns.count, glm::dvec3(0));
+  Guess guess{.x = std::vector<glm::dvec3>(unknowns.count, glm::dvec3(0))};
   for (std::size_t v = 0; v < mesh.n_vertices(); ++v) {
     const LinearRgb& c = baked.colors[v];
-    if (system.is_free[v] && is_finite(c)) start[unknowns.of[v]] = {c.r, c.g, c.b};
+    if (system.is_free[v] && is_finite(c)) guess.x[unknowns.of[v]] = {c.r, c.g, c.b};
   }
-  const std::vector<glm::bvec3> is_below_1 = keep_below_1(system, start);
-  const Solution solution = solve(system.matrix, std::move(system.right), std::move(start), is_below_1);
+  set_bounds(system, guess);
+  const Solution solution = solve(system.matrix, std::move(system.right), std::move(guess));
 
   for (std::size_t v = 0; v < mesh.n_vertices(); ++v) {
     if (!system.is_free[v]) continue;  // keeps the sample
