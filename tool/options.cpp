@@ -19,6 +19,7 @@
 #include "lambake/geometry/normals.h"
 #include "lambake/geometry/robust_normals.h"
 #include "lambake/io/light_file.h"
+#include "lambake/io/output_file.h"
 #include "lambake/render/framing.h"
 #include "lambake/render/visibility.h"
 
@@ -245,8 +246,10 @@ double parse_quotient(const std::string& option, std::string_view text) {
 
 void check_distinct(const std::vector<std::string>& outputs) {
   std::set<std::filesystem::path> seen;
+  std::error_code ignored;  // Of folders that are not there.
   for (const std::string& output : outputs)
-    if (!seen.insert(std::filesystem::path(output).lexically_normal()).second)
+    if (!seen.insert(std::filesystem::weakly_canonical(std::filesystem::absolute(target_of(output)), ignored))
+             .second)
       throw InvalidOption(fmt::format("-o {}: expected each file once", output));
 }
 
@@ -268,12 +271,14 @@ void check_keeps_referred(const SceneFile& file, const std::filesystem::path& pa
 }
 
 void check_page_is_ours(const std::string& folder) {
-  const std::string path = (std::filesystem::path(folder) / "index.html").string();
-  std::ifstream stream(path, std::ios::binary);
+  const std::filesystem::path path = std::filesystem::path(folder) / "index.html";
+  std::error_code ignored;  // Of a page that is not there.
+  if (!std::filesystem::exists(path, ignored)) return;
   std::string head(4096, '\0');
-  stream.read(head.data(), static_cast<std::streamsize>(head.size()));
-  if (stream.gcount() > 0 && head.find("lambake") == std::string::npos)
-    throw IoError(path,
+  if (std::filesystem::is_regular_file(path, ignored))
+    std::ifstream(path, std::ios::binary).read(head.data(), static_cast<std::streamsize>(head.size()));
+  if (head.find("<meta name=\"generator\" content=\"lambake\">") == std::string::npos)
+    throw IoError(path.string(),
                   "expected a page of lambake to replace, found another; choose a folder for the output");
 }
 

@@ -3,6 +3,7 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <system_error>
 #include <thread>
 
 #include "lambake/io/temporary.h"
@@ -19,13 +20,18 @@ void prepare_for_signals() {
     if (action.sa_handler != SIG_IGN) ::sigaddset(&endings, signal);  // Else it is run by nohup, or behind.
   }
   ::pthread_sigmask(SIG_BLOCK, &endings, nullptr);  // For the threads to come too.
-  std::thread([endings] {
+  const auto wait = [endings] {
     int signal = 0;
     ::sigwait(&endings, &signal);
     remove_temporaries();
     ::pthread_sigmask(SIG_UNBLOCK, &endings, nullptr);
     ::kill(::getpid(), signal);
-  }).detach();
+  };
+  try {
+    std::thread(wait).detach();
+  } catch (const std::system_error&) {  // No thread is to be had: signals end it as they do without us.
+    ::pthread_sigmask(SIG_UNBLOCK, &endings, nullptr);
+  }
 }
 
 }  // namespace lambake::tool

@@ -265,6 +265,17 @@ TEST(CommandLine, PagesOfOthers_AreNotReplaced) {
     EXPECT_NE(result.err.find("index.html"), std::string::npos) << result.err;
     EXPECT_EQ(folder.files().size(), 2U);
   }
+  // What speaks of lambake is not of lambake, and what a link leads to is not beside it.
+  std::filesystem::create_directories(folder / "real/deep");
+  std::filesystem::create_directory(folder / "real/o");
+  std::filesystem::create_directory_symlink("real/deep", folder / "link");
+  std::ofstream(folder / "real/o/index.html") << "<title>Notes on lambake</title>";
+  EXPECT_EQ(run_tool(folder, "compare in.off --size 8x8 -o link/../o").exit_code, 3);
+  EXPECT_FALSE(std::filesystem::exists(folder / "o"));
+  std::filesystem::remove(folder / "real/o/index.html");
+  EXPECT_EQ(run_tool(folder, "compare in.off --size 8x8 -o link/../o").exit_code, 0);
+  EXPECT_TRUE(std::filesystem::exists(folder / "real/o/index.html"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "o"));
   // Its own.
   EXPECT_EQ(run_tool(folder, "compare in.off --size 8x8 -o c").exit_code, 0);
   EXPECT_EQ(run_tool(folder, "compare in.off --size 8x8 -o c").exit_code, 0);
@@ -404,6 +415,10 @@ TEST(CommandLine, OutputsInTheWayOfEachOtherOrOfOtherFiles_AreRefused) {
   write_octahedron(folder / "in.off");
   EXPECT_EQ(run_tool(folder, "bake in.off -o a.glb -o ./a.glb").exit_code, 2);
   EXPECT_EQ(run_tool(folder, "render in.off -o a.png -o a.png").exit_code, 2);
+  std::filesystem::create_symlink("a.png", folder / "link.png");
+  EXPECT_EQ(run_tool(folder, "render in.off -o a.png -o link.png").exit_code, 2);
+  std::ofstream(folder / "a.png") << "it is there";
+  EXPECT_EQ(run_tool(folder, "render in.off -o a.png -o link.png").exit_code, 2);
   std::ofstream(folder / "scan.bin") << "of something else";
   const ToolResult refused = run_tool(folder, "bake in.off -o scan.gltf");
   EXPECT_EQ(refused.exit_code, 2);

@@ -127,6 +127,7 @@ TEST_F(MeshFileTest, ObjObjects_OrElseGroups_AreKeptByFace) {
   EXPECT_EQ(objects("o Cube\nf 1 2 3\ng side\nf 3 2 1\n"), std::pair(Names{"Cube"}, Numbers{}));
   EXPECT_EQ(objects("g a\nf 1 2 3\ng empty\ng b c\nf 3 2 1\ng a\nf 2 1 3\n"),
             std::pair(Names({"a", "b c"}), Numbers({0, 1, 0})));
+  EXPECT_EQ(objects("o Cube\nf 1 2 3\no edge\nf 1 2\n"), std::pair(Names{"Cube"}, Numbers{}));
   EXPECT_EQ(objects("f 1 2 3\nf 1 2\no K\xF6rper\nf 3 2 1\n"),
             std::pair(Names({"", "K\u00F6rper"}), Numbers({0, 0, 1})));
   std::string many;

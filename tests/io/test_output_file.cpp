@@ -97,6 +97,14 @@ TEST_F(OutputFiles, SymbolicLink_StaysAndLeadsToTheNewFile) {
   write_file(path_.string(), "now");
   EXPECT_TRUE(fs::is_symlink(path_));
   EXPECT_EQ(content(target), "now");
+  // One that leads nowhere yet, by another link.
+  const fs::path by = folder_ / "by.ply";
+  fs::remove(target);
+  fs::create_symlink("out.ply", by);
+  write_file(by.string(), "new");
+  EXPECT_TRUE(fs::is_symlink(by));
+  EXPECT_TRUE(fs::is_symlink(path_));
+  EXPECT_EQ(content(target), "new");
 }
 
 TEST_F(OutputFiles, FullDisk_IsAnErrorAtTheLatestWhenCommitted) {

@@ -15,7 +15,7 @@ float brightest_of(std::span<const LinearRgb> colors) {
 }
 
 std::string exposure_to_white(float brightest) {
-  const int stops = std::max(1, static_cast<int>(std::ceil(std::log2(brightest))));
+  const int stops = std::max(1, static_cast<int>(std::ceil(std::log2(std::max(brightest, 1.0f)))));
   return fmt::format("an exposure lower by {} stop{}", stops, stops == 1 ? "" : "s");
 }
 

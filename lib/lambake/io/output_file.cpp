@@ -9,21 +9,17 @@
 
 namespace lambake {
 
-namespace {
-
-/// Where the bytes of a file go: what a symbolic link leads to is replaced, not the link.
 std::string target_of(const std::string& path) {
+  constexpr int most_links = 40;  // As the system takes.
+  std::filesystem::path target = path;
   std::error_code error;
-  const std::filesystem::file_status status = std::filesystem::status(path, error);
+  for (int i = 0; i < most_links && std::filesystem::is_symlink(target, error); ++i)
+    target = target.parent_path() / std::filesystem::read_symlink(target, error);
+  const std::filesystem::file_status status = std::filesystem::status(target, error);
   if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status))
     throw IoError(path, "expected a file to replace, found a folder, device or pipe");
-  if (!std::filesystem::is_symlink(path, error)) return path;
-  const std::string target = std::filesystem::weakly_canonical(path, error).string();
-  if (error) throw IoError(path, "cannot be written: " + error.message());
-  return target;
+  return target.string();
 }
-
-}  // namespace
 
 OutputFile::OutputFile(const std::string& path)
     : path_(target_of(path)),

@@ -8,6 +8,10 @@
 
 namespace lambake {
 
+/// Where the bytes of a file go: what symbolic links lead to is replaced, not the links.
+/// @throws IoError if what is there is no file.
+std::string target_of(const std::string& path);
+
 /// A file that appears whole or not at all: written beside its place, moved there by commit(). Without a
 /// commit it is removed. Writing errors throw IoError.
 class OutputFile {

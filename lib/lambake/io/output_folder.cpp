@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "lambake/core/error.h"
+#include "lambake/io/output_file.h"
 
 namespace lambake {
 
@@ -20,21 +21,25 @@ void check_output_folder(const std::string& path) {
 
 namespace {
 
-/// With a name at its end, which "out/" and "." have not.
-std::filesystem::path named_folder(const std::string& path) {
+/// As the system finds it, with links followed.
+std::filesystem::path resolved_folder(const std::string& path) {
   check_output_folder(path);
-  std::filesystem::path target = std::filesystem::path(path).lexically_normal();
-  if (!target.has_filename()) target = target.parent_path();
-  if (!target.empty() && target != "." && target != "..") return target;
   std::error_code error;
-  target = std::filesystem::absolute(path, error).lexically_normal();
+  std::filesystem::path folder = std::filesystem::weakly_canonical(path, error);
   if (error) throw IoError(path, "cannot be made: " + error.message());
-  return target;
+  return folder.has_filename() ? folder : folder.parent_path();
+}
+
+/// Beside a folder that is to come, so that there is none if it fails; inside of one that is there, as what
+/// is beside it may be another file system, or closed.
+std::filesystem::path place_of_temporary(const std::filesystem::path& folder) {
+  return std::filesystem::is_directory(folder) ? folder / "files" : folder;
 }
 
 }  // namespace
 
-OutputFolder::OutputFolder(const std::string& path) : path_(named_folder(path)), temporary_(path_) {
+OutputFolder::OutputFolder(const std::string& path)
+    : path_(resolved_folder(path)), temporary_(place_of_temporary(path_)) {
   std::error_code error;
   if (path_.has_parent_path()) std::filesystem::create_directories(path_.parent_path(), error);
   if (!error) std::filesystem::remove_all(temporary_.path(), error);  // Left by a run that was killed.
@@ -45,18 +50,19 @@ OutputFolder::OutputFolder(const std::string& path) : path_(named_folder(path)),
 void OutputFolder::commit() {
   std::error_code error;
   std::filesystem::create_directories(path_, error);
-  std::vector<std::filesystem::path> names;
+  std::vector<std::filesystem::path> from, to;
   for (auto it = std::filesystem::directory_iterator(temporary_.path(), error);
        !error && it != std::filesystem::directory_iterator(); it.increment(error))
-    names.push_back(it->path().filename());
+    from.push_back(it->path());
   if (error) throw IoError(path_.string(), "cannot be written: " + error.message());
-  for (const std::filesystem::path& name : names)
-    if (std::filesystem::is_directory(path_ / name, error))
-      throw IoError((path_ / name).string(), "expected a file to replace, found a folder");
-  for (const std::filesystem::path& name : names) {
-    std::filesystem::rename(temporary_.path() / name, path_ / name, error);
-    if (error) throw IoError((path_ / name).string(), "cannot be written: " + error.message());
-  }
+  for (const std::filesystem::path& file : from)
+    to.emplace_back(target_of((path_ / file.filename()).string()));
+  without_removal([&] {
+    for (std::size_t i = 0; i < from.size(); ++i) {
+      std::filesystem::rename(from[i], to[i], error);
+      if (error) throw IoError(to[i].string(), "cannot be written: " + error.message());
+    }
+  });
 }
 
 }  // namespace lambake

@@ -11,8 +11,8 @@ namespace lambake {
 /// work.
 void check_output_folder(const std::string& path);
 
-/// Files that appear in a folder once all are written, or not at all: written into a folder beside it, moved
-/// by commit(), which looks for what is in the way before it moves the first.
+/// Files that appear in a folder once all are written, or not at all: written into a folder beside it (or in
+/// it, if it is there), moved by commit(), which looks for what is in the way before it moves the first.
 /// Files that the folder held under other names stay. Without a commit what was written is removed.
 class OutputFolder {
  public:

@@ -286,11 +286,12 @@ class ObjScan {
       if (!cursor.at_separator()) cursor.fail_at(begin, "v, v/vt, v//vn or v/vt/vn");
       corners_.push_back(corner);
     }
-    if (object_ == none) object_ = number_of_object(object_name_);
-    set_of_face(file_.face_objects, object_);
+    const bool is_kept = kept_.keep(corners_.size());
+    if (is_kept && object_ == none) object_ = number_of_object(object_name_);
+    set_of_face(file_.face_objects, object_ == none ? 0 : object_);
     set_of_face(file_.face_materials, material);
     ++file_.n_faces;
-    if (!kept_.keep(corners_.size())) return;
+    if (!is_kept) return;
     ids_.clear();
     n_without_texcoord_.resize(file_.materials.size());
     file_.has_material_texcoords.resize(file_.materials.size());

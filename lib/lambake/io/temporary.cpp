@@ -43,6 +43,11 @@ Temporary::~Temporary() {
   entries.erase(std::find(entries.begin(), entries.end(), this));
 }
 
+void without_removal(const std::function<void()>& body) {
+  const std::lock_guard lock(registry().mutex);
+  body();
+}
+
 void remove_temporaries() {
   registry().mutex.lock();  // For good.
   for (const Temporary* temporary : registry().entries) remove(*temporary);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 
 namespace lambake {
 
@@ -18,6 +19,9 @@ class Temporary {
  private:
   std::filesystem::path path_;
 };
+
+/// Calls `body` so that remove_temporaries() comes before it or after.
+void without_removal(const std::function<void()>& body);
 
 /// Removes what is at the place of every Temporary, for a program that is about to be ended by a signal: from
 /// then on none begins or ends. From any thread, but not from a signal handler.
