@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <sys/wait.h>
+#include <unistd.h>
 
 namespace lambake::test {
 
