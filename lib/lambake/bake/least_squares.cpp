@@ -396,7 +396,7 @@ void descend(const Matrix& matrix, double resolution, int& n_left, Iterate& at) 
 }
 
 /// Holds at its bound what is beyond, with a step there as the new direction, and frees what the residual
-/// pulls off. @param is_below_1  the bound above is 1; else there is none. @returns how many of both.
+/// pulls off. @returns how many of both.
 std::size_t change_held(const Matrix& matrix, const Guess& guess, Iterate& at) {
   const double least_change = 100 * guess.resolution;
   return sum_over_blocks(at.x.size(), [&](std::size_t begin, std::size_t end) {

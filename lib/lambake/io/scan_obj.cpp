@@ -360,9 +360,7 @@ class ObjScan {
                   "corner[ has|s have] no normal, so the file's normals are not used");
     std::size_t n_without_texcoord = 0;  // Beside corners of the same textured material that have one.
     for (std::size_t m = 0; m < has_texcoord.size(); ++m)
-      if (has_texcoord[m] && (file_.materials[m].base_color_texture != no_texture ||
-                              file_.materials[m].emission_texture != no_texture))
-        n_without_texcoord += n_without_texcoord_[m];
+      if (has_texcoord[m] && has_texture(file_.materials[m])) n_without_texcoord += n_without_texcoord_[m];
     add_finding(file_.findings, "corners_without_texcoord", n_without_texcoord,
                 "corner[ has|s have] no texture coordinate; (0,1) instead");
     add_finding(file_.findings, "non_finite_attributes", n_odd_attributes_,
