@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <random>
 
@@ -61,6 +62,90 @@ TEST(LeastSquares, AnyChangeOfTheColours_RaisesTheRmse) {
   }
 }
 
+struct Side {
+  std::size_t triangle = 0;
+  int corner = 0;
+};
+
+/// Σ min(A_1, A_2) h² (jump of the derivative of the green)² over the sides of just two triangles that wind
+/// alike, by the definition.
+double jumps(const Mesh& mesh, const std::vector<LinearRgb>& colors) {
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::vector<Side>> sides;
+  for (std::size_t f = 0; f < mesh.n_triangles(); ++f)
+    for (int c = 0; c < 3; ++c)
+      sides[std::minmax({mesh.triangles[f][c], mesh.triangles[f][(c + 1) % 3]})].push_back({f, c});
+  double sum = 0;
+  for (const auto& [ends, both] : sides) {
+    if (both.size() != 2) continue;
+    double derivative = 0, least_area = 1e9, least_height = 1e9;
+    std::uint32_t first[2];
+    for (int k = 0; k < 2; ++k) {
+      const glm::uvec3& t = mesh.triangles[both[k].triangle];
+      first[k] = t[both[k].corner];
+      const auto corner = [&](int c) { return t[(both[k].corner + c) % 3]; };
+      const auto position = [&](int c) { return glm::dvec3(mesh.positions[corner(c)]); };
+      const auto color = [&](int c) { return double(colors[corner(c)].g); };
+      // In the plane of the triangle: x along the side, y into the triangle.
+      const glm::dvec3 x = glm::normalize(position(1) - position(0)), to_apex = position(2) - position(0);
+      const double length = glm::length(position(1) - position(0)), along = glm::dot(to_apex, x),
+                   height = glm::length(to_apex - along * x);
+      const double slope_x = (color(1) - color(0)) / length;
+      derivative += (color(2) - color(0) - slope_x * along) / height;
+      const double area = 0.5 * length * height;
+      least_area = std::min(least_area, area);
+      for (int c = 0; c < 3; ++c)
+        least_height = std::min(least_height, 2 * area / glm::length(position((c + 1) % 3) - position(c)));
+    }
+    if (first[0] == first[1]) continue;  // They wind against each other.
+    sum += least_area * least_height * least_height * derivative * derivative;
+  }
+  return sum;
+}
+
+double area(const Mesh& mesh) {
+  double sum = 0;
+  for (const glm::uvec3& t : mesh.triangles) {
+    const glm::dvec3 p = mesh.positions[t.x];
+    sum += 0.5 *
+           glm::length(glm::cross(glm::dvec3(mesh.positions[t.y]) - p, glm::dvec3(mesh.positions[t.z]) - p));
+  }
+  return sum;
+}
+
+// Of the whole functional, on a surface with a fin, a face turned round and a hole.
+TEST(LeastSquares, AnyChangeOfTheColours_RaisesTheSumWithTheJumps) {
+  Mesh mesh = icosphere(2);
+  const auto fin = static_cast<std::uint32_t>(mesh.n_vertices());
+  mesh.positions.push_back(2.0f * mesh.positions[0]);
+  mesh.triangles.push_back({mesh.triangles[0].x, mesh.triangles[0].y, fin});
+  std::swap(mesh.triangles[40].x, mesh.triangles[40].y);
+  mesh.triangles.erase(mesh.triangles.begin() + 100);
+  const Scene scene =
+      scene_of(mesh, {sun({0.4f, 1, 0.3f}, {0.4f, 0.4f, 0.4f}), sun({0, -1, 0}, {0.2f, 0.2f, 0.2f})});
+  for (const double weight : {0.003, 0.1, 3.0}) {
+    const auto functional = [&](const BakedColors& baked) {
+      return std::pow(rmse(scene, baked), 2) * area(mesh) + weight * jumps(mesh, baked.colors);
+    };
+    const BakedColors best = least_squares(scene, weight);
+    const double least = functional(best);
+    EXPECT_GT(jumps(mesh, best.colors), 0);
+    std::mt19937 engine(3);
+    // Along each of the colours alone, as far as they may go, and along all.
+    for (std::size_t v = 0; v <= best.colors.size(); ++v)
+      for (const float size : {-0.002f, 0.002f}) {
+        BakedColors changed = best;
+        for (std::size_t i = 0; i < changed.colors.size(); ++i) {
+          const float change = v == i                   ? size
+                               : v < best.colors.size() ? 0
+                                                        : size * static_cast<float>(engine() % 100) / 100;
+          const float g = std::clamp(changed.colors[i].g + change, 0.0f, 1.0f);
+          changed.colors[i] = {g, g, g};
+        }
+        EXPECT_GE(functional(changed), least) << weight << ", vertex " << v;
+      }
+  }
+}
+
 TEST(LeastSquares, MoreGradientWeight_CostsRmse) {
   const Scene scene = scene_of(icosphere(2), {sun({0.4f, 1, 0.3f})});
   double previous = 0;
@@ -88,16 +173,37 @@ TEST(LeastSquares, HugeGradientWeight_LeavesALinearFunction) {
     return largest;
   };
   EXPECT_GT(largest_bend(0), 0.1f);
-  EXPECT_NEAR(largest_bend(1e4) / largest_bend(1e5), 10, 0.1);  // once small it is in inverse proportion
+  EXPECT_NEAR(largest_bend(1e3) / largest_bend(1e4), 10, 0.3);  // once small it is in inverse proportion
 }
 
-// More than one block of rows, and one long row.
+/// 300 × 300 vertices, more than 16 bits can tell apart.
+Scene fine_floor() {
+  return scene_of(grid(299, 1),
+                  {lamp({0.2f, 0.4f, 0.1f}, {0.1f, 0.2f, 0.1f}), lamp({0.6f, 0.01f, -0.3f}, {1e-4f, 0, 0})});
+}
+
+TEST(LeastSquares, OrderOfTheTriangles_IsNoMatter) {
+  Scene scene = fine_floor();
+  const std::vector<LinearRgb> ordered = least_squares(scene, 0.003).colors;
+  std::vector<glm::uvec3>& triangles = scene.mesh.triangles;
+  std::mt19937 engine(2);
+  for (std::size_t i = triangles.size(); i > 1; --i) std::swap(triangles[i - 1], triangles[engine() % i]);
+  const std::vector<LinearRgb> shuffled = least_squares(scene, 0.003).colors;
+  float largest = 0;
+  for (std::size_t v = 0; v < ordered.size(); ++v)
+    largest =
+        std::max({largest, std::abs(ordered[v].r - shuffled[v].r), std::abs(ordered[v].g - shuffled[v].g)});
+  EXPECT_LT(largest, 2e-6f);
+}
+
+// More than one block of rows, rows that reach far, and one long row.
 TEST(LeastSquares, OneOrTwoThreads_SameBits) {
-  Mesh mesh = icosphere(4);
+  Scene scene = fine_floor();
+  Mesh& mesh = scene.mesh;
   const auto hub = static_cast<std::uint32_t>(mesh.n_vertices());
   mesh.positions.push_back({0, 1.5f, 0});
-  for (std::uint32_t v = 0; v + 1 < hub; ++v) mesh.triangles.push_back({hub, v, v + 1});
-  const Scene scene = scene_of(mesh, {sun({0.4f, 1, 0.3f}, {0.9f, 0.5f, 0.2f})});
+  mesh.normals.push_back({0, 1, 0});
+  for (std::uint32_t v = 0; v + 1 < hub; v += 7) mesh.triangles.push_back({hub, v, v + 1});
   set_thread_count(1);
   const std::vector<LinearRgb> one = least_squares(scene, 0.003).colors;
   set_thread_count(2);
@@ -115,8 +221,9 @@ TEST(LeastSquares, CopiesAtASeam_KeepOneColour) {
       if (t[c] == 0 && ++n_uses % 2 == 0) t[c] = copy;
   const BakedColors baked = least_squares(scene, 0.05);
   EXPECT_EQ(baked.colors[0], baked.colors[copy]);
-  Scene whole = scene_of(icosphere(1), {sun({0.4f, 1, 0.3f})});
-  EXPECT_NEAR(baked.colors[0].g, least_squares(whole, 0.05).colors[0].g, 1e-6);
+  const BakedColors whole = least_squares(scene_of(icosphere(1), {sun({0.4f, 1, 0.3f})}), 0.05);
+  for (std::size_t v = 0; v < whole.colors.size(); ++v)
+    EXPECT_NEAR(baked.colors[v].g, whole.colors[v].g, 1e-6) << v;
 }
 
 TEST(LeastSquares, ColoursThatAFileHolds_StayWithinIt) {
@@ -188,7 +295,7 @@ TEST(LeastSquares, HugeGround_LeavesTheColoursOfASmallSphere) {
     float largest = 0;
     for (std::size_t v = 0; v < first; ++v)
       largest = std::max(largest, std::abs(both.colors[v].g - alone.colors[v].g));
-    EXPECT_LT(largest, 1e-6f) << half_side;
+    EXPECT_LT(largest, 2e-6f) << half_side;
   }
 }
 

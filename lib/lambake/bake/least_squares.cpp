@@ -12,7 +12,6 @@
 #include "lambake/core/parallel.h"
 #include "lambake/core/quadrature.h"
 #include "lambake/core/value_numbers.h"
-#include "lambake/geometry/edges.h"
 #include "lambake/shading/patch.h"
 #include "lambake/shading/patch_parts.h"
 
@@ -24,32 +23,15 @@
 // over the interior edges e between triangles of areas A_1, A_2, of which h is the least height: free of
 // scale, and however thin a triangle is, h times a derivative is at most what the colours of its corners
 // differ by. The colours are at least 0, and at most 1 where the light is, as files hold no others. The first
-// term gives the consistent mass matrix; both are the same for the three channels.
+// term gives the consistent mass matrix; both are the same for the three channels, which are solved one after
+// the other: what is kept of a vertex is little more than half a row of the matrix, in float.
 namespace lambake {
 namespace {
 
-constexpr std::size_t block_size = 256;       // triangles
-constexpr std::size_t rows_per_block = 1024;  // unknowns
-
-/// Vertices that are alike in all that lights them share one colour, so that a texture seam does not show.
-struct Unknowns {
-  std::vector<std::uint32_t> of;  ///< V; numbered by their first vertex.
-  std::uint32_t count = 0;
-};
-
-Unknowns find_unknowns(const Mesh& mesh) {
-  ValueNumbers<9> numbers;
-  Unknowns unknowns;
-  unknowns.of.reserve(mesh.n_vertices());
-  for (std::size_t v = 0; v < mesh.n_vertices(); ++v) {
-    const glm::vec3 p = mesh.positions[v] + 0.0f, n = mesh.normals[v] + 0.0f;
-    const LinearRgb c = mesh.colors.empty() ? LinearRgb{} : mesh.colors[v];
-    unknowns.of.push_back(
-        numbers.number_of({p.x, p.y, p.z, n.x, n.y, n.z, c.r + 0.0f, c.g + 0.0f, c.b + 0.0f}));
-  }
-  unknowns.count = static_cast<std::uint32_t>(numbers.size());
-  return unknowns;
-}
+constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+constexpr std::size_t triangles_per_block = 256;
+constexpr std::size_t rows_per_block = 16384;
+constexpr float LinearRgb::*channels[] = {&LinearRgb::r, &LinearRgb::g, &LinearRgb::b};
 
 Patch patch_of(const Mesh& mesh, std::size_t triangle) {
   Patch patch;
@@ -63,7 +45,7 @@ Patch patch_of(const Mesh& mesh, std::size_t triangle) {
 }
 
 /// ∫ b_i D⊗E dA / A over a triangle, column i for corner i: cut apart along the terminators and where light
-/// is narrow, or quartered where there is neither.
+/// is narrow.
 glm::dmat3 moments(const Patch& patch, const std::vector<Light>& all) {
   std::vector<std::uint32_t> lights;
   find_reaching_lights(all, patch, lights);
@@ -71,10 +53,6 @@ glm::dmat3 moments(const Patch& patch, const std::vector<Light>& all) {
   if (lights.empty()) return sum;
   std::vector<glm::dmat3> parts = cut_at_terminators(patch, all, lights, 16);
   quarter_wide_parts(patch, all, lights, parts);
-  if (parts.size() == 1) {
-    const std::array<glm::dmat3, 4> four = quarters(parts[0]);
-    parts.assign(four.begin(), four.end());
-  }
   for (const glm::dmat3& part : parts) {
     const double share = std::abs(glm::determinant(part));
     for (const QuadratureNode& node : quadrature_5) {
@@ -86,36 +64,49 @@ glm::dmat3 moments(const Patch& patch, const std::vector<Light>& all) {
   return sum;
 }
 
-constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
-
-/// A triangle as the matrix sees it.
-struct Element {
-  double area = 0;  ///< 0 if it takes no part: it is unlit or has none.
-  glm::dvec3 cotangents{0.0};
-  glm::uvec3 unknowns{0};
-  glm::uvec3 beyond{none};  ///< For its side from corner c to the next the same of its neighbour, or none.
+/// The colours to be found.
+struct Unknowns {
+  /// V: numbered by the triangles, so that neighbours have numbers that are near. Vertices that are alike in
+  /// all that lights them share one, so that a texture seam does not show; none where no triangle takes part.
+  std::vector<std::uint32_t> of;
+  std::vector<bool> takes_part;  ///< F: it is lit and has an area.
+  double largest_area = 0;
+  std::size_t count = 0;
 };
 
-/// F, without `beyond`.
-std::vector<Element> elements_of(const Scene& scene, const Unknowns& unknowns) {
+Unknowns find_unknowns(const Scene& scene) {
   const Mesh& mesh = scene.mesh;
-  std::vector<Element> elements(mesh.n_triangles());
-  parallel_blocks(elements.size(), block_size, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t f = begin; f < end; ++f) {
-      if (scene.materials[mesh.material_of(f)].is_unlit) continue;
-      const Patch patch = patch_of(mesh, f);
-      const glm::dmat3& p = patch.positions;
-      Element& element = elements[f];
-      element.area = area_of(patch);
-      if (!(element.area > 0)) continue;
-      for (int i = 0; i < 3; ++i) {
-        element.unknowns[i] = unknowns.of[mesh.triangles[f][i]];
-        element.cotangents[i] = glm::dot(p[(i + 1) % 3] - p[i], p[(i + 2) % 3] - p[i]) / (2 * element.area);
-      }
+  Unknowns unknowns;
+  unknowns.of.assign(mesh.n_vertices(), none);
+  unknowns.takes_part.assign(mesh.n_triangles(), false);
+  ValueNumbers<9> numbers;
+  numbers.reserve(mesh.n_vertices());
+  for (std::size_t f = 0; f < mesh.n_triangles(); ++f) {
+    if (scene.materials[mesh.material_of(f)].is_unlit) continue;
+    const double area = area_of(patch_of(mesh, f));
+    if (!(area > 0)) continue;
+    unknowns.takes_part[f] = true;
+    unknowns.largest_area = std::max(unknowns.largest_area, area);
+    for (int c = 0; c < 3; ++c) {
+      const std::uint32_t v = mesh.triangles[f][c];
+      if (unknowns.of[v] != none) continue;
+      const glm::vec3 p = mesh.positions[v] + 0.0f, n = mesh.normals[v] + 0.0f;
+      const LinearRgb color = mesh.colors.empty() ? LinearRgb{} : mesh.colors[v];
+      unknowns.of[v] =
+          numbers.number_of({p.x, p.y, p.z, n.x, n.y, n.z, color.r + 0.0f, color.g + 0.0f, color.b + 0.0f});
     }
-  });
-  return elements;
+  }
+  unknowns.count = numbers.size();
+  return unknowns;
 }
+
+/// A triangle that takes part, as the matrix sees it.
+struct Element {
+  glm::uvec3 unknowns{0};
+  double area = 0;  ///< In the largest of the mesh.
+  glm::dvec3 cotangents{0.0};
+  glm::uvec3 across{none};  ///< For its side from corner c to the next: see corner_across().
+};
 
 /// l ∂b_i/∂ν for the corners i, with ν out of the triangle across its side k of length l.
 glm::dvec3 slopes_across(const Element& element, int k) {
@@ -135,164 +126,271 @@ double height_over_side(const Element& element, int k) {
   return 1 / std::max(1.0, longest * side);
 }
 
-/// Sets `beyond`: neighbours take part both, wind alike and share the unknowns of both ends.
-void find_neighbours(const Mesh& mesh, std::vector<Element>& elements) {
-  const std::vector<EdgeSide> sides = sorted_edge_sides(mesh);
-  for_each_edge(sides, [&](std::span<const EdgeSide> edge) {
-    if (edge.size() != 2 || edge[0].is_forward == edge[1].is_forward) return;
-    Element &f = elements[edge[0].corner / 3], &g = elements[edge[1].corner / 3];
-    if (!(f.area > 0 && g.area > 0)) return;
-    const int k = static_cast<int>(edge[0].corner % 3), m = static_cast<int>(edge[1].corner % 3);
-    if (f.unknowns[k] != g.unknowns[(m + 1) % 3] || f.unknowns[(k + 1) % 3] != g.unknowns[m])
-      return;  // a crease
-    f.beyond[k] = edge[1].corner;
-    g.beyond[m] = edge[0].corner;
-  });
-}
+/// The triangles that take part, and which are around an unknown.
+struct Elements {
+  const Mesh& mesh;
+  const Unknowns& unknowns;
+  std::vector<std::uint32_t> starts{};   ///< The corners at unknown u: from starts[u] to starts[u + 1] in
+  std::vector<std::uint32_t> corners{};  ///< these, 3·triangle + c, in the order of the triangles.
 
-/// The corners (3·triangle + c) of the triangles that take part, in the order of the triangles.
-struct Corners {
-  std::vector<std::uint32_t> starts;  ///< Those of unknown u are `numbers` from starts[u] to starts[u + 1].
-  std::vector<std::uint32_t> numbers;
-  std::span<const std::uint32_t> of(std::size_t u) const {
-    return std::span(numbers).subspan(starts[u], starts[u + 1] - starts[u]);
+  std::span<const std::uint32_t> around(std::size_t u) const {
+    return std::span(corners).subspan(starts[u], starts[u + 1] - starts[u]);
+  }
+  std::uint32_t unknown_at(std::size_t triangle, int c) const {
+    return unknowns.of[mesh.triangles[triangle][c]];
   }
 };
 
-Corners corners_by_unknown(const std::vector<Element>& elements, std::size_t n_unknowns) {
+Elements elements_of(const Mesh& mesh, const Unknowns& unknowns) {
+  Elements elements{.mesh = mesh, .unknowns = unknowns};
   const auto for_each_corner = [&](auto&& visit) {
-    for (std::size_t f = 0; f < elements.size(); ++f)
-      if (elements[f].area > 0)
-        for (int c = 0; c < 3; ++c)
-          visit(elements[f].unknowns[c], static_cast<std::uint32_t>(3 * f) + static_cast<std::uint32_t>(c));
+    for (std::uint32_t f = 0; f < mesh.n_triangles(); ++f)
+      if (unknowns.takes_part[f])
+        for (int c = 0; c < 3; ++c) visit(elements.unknown_at(f, c), 3 * f + static_cast<std::uint32_t>(c));
   };
-  Corners corners;
-  corners.starts.assign(n_unknowns + 2, 0);  // Of u at u + 1, which filling moves to the start of u + 1.
-  for_each_corner([&](std::uint32_t u, std::uint32_t) { ++corners.starts[u + 2]; });
-  std::partial_sum(corners.starts.begin(), corners.starts.end(), corners.starts.begin());
-  corners.numbers.resize(corners.starts.back());
-  for_each_corner(
-      [&](std::uint32_t u, std::uint32_t number) { corners.numbers[corners.starts[u + 1]++] = number; });
-  return corners;
+  std::vector<std::uint32_t>& starts = elements.starts;
+  starts.assign(unknowns.count + 2, 0);  // Of u at u + 1, which filling moves to the start of u + 1.
+  for_each_corner([&](std::uint32_t u, std::uint32_t) { ++starts[u + 2]; });
+  std::partial_sum(starts.begin(), starts.end(), starts.begin());
+  elements.corners.resize(starts.back());
+  for_each_corner([&](std::uint32_t u, std::uint32_t corner) { elements.corners[starts[u + 1]++] = corner; });
+  return elements;
 }
 
-/// The right side: ∫ b_i D⊗E dA for each unknown, channel by channel.
-std::vector<glm::dvec3> right_side(const Scene& scene, const std::vector<Element>& elements,
-                                   const Corners& corners, std::size_t n_unknowns) {
-  std::vector<glm::dmat3> integrals(elements.size());
-  parallel_blocks(elements.size(), block_size, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t f = begin; f < end; ++f)
-      if (elements[f].area > 0)
-        integrals[f] = elements[f].area * moments(patch_of(scene.mesh, f), scene.lights);
-  });
-  std::vector<glm::dvec3> right(n_unknowns, glm::dvec3(0));
-  parallel_blocks(n_unknowns, rows_per_block, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t u = begin; u < end; ++u)
-      for (const std::uint32_t corner : corners.of(u))
-        right[u] += integrals[corner / 3][static_cast<int>(corner % 3)];
-  });
-  return right;
+/// The corner (3·triangle + c) at which the side from `a` to `b` of a triangle begins in its neighbour; none
+/// unless there is just one, that winds alike.
+std::uint32_t corner_across(const Elements& elements, std::uint32_t a, std::uint32_t b) {
+  // By the end that has fewer triangles around: there may be a hub of many.
+  const bool is_at_a = elements.around(a).size() <= elements.around(b).size();
+  const std::uint32_t other = is_at_a ? b : a;
+  std::uint32_t across = none;
+  int n_alike = 0;  // From a to b, the triangle itself among them.
+  for (const std::uint32_t corner : elements.around(is_at_a ? a : b)) {
+    const std::size_t f = corner / 3;
+    const int c = static_cast<int>(corner % 3), previous = (c + 2) % 3;
+    const bool is_out = elements.unknown_at(f, (c + 1) % 3) == other,
+               is_in = elements.unknown_at(f, previous) == other;
+    if (!is_out && !is_in) continue;
+    if (is_out == is_at_a) {
+      if (++n_alike > 1) return none;
+    } else {
+      if (across != none) return none;
+      across = is_out ? corner : static_cast<std::uint32_t>(3 * f) + static_cast<std::uint32_t>(previous);
+    }
+  }
+  return across;
 }
 
-/// A block of consecutive rows of the sparse matrix.
-struct Rows {
-  std::vector<std::size_t> ends;       ///< Of each row, in `columns` and `values`.
-  std::vector<std::uint32_t> columns;  ///< Ascending in each row.
-  std::vector<double> values;
+Element element_of(const Elements& elements, std::size_t triangle) {
+  glm::dmat3 p;
+  Element element;
+  for (int c = 0; c < 3; ++c) {
+    p[c] = elements.mesh.positions[elements.mesh.triangles[triangle][c]];
+    element.unknowns[c] = elements.unknown_at(triangle, c);
+  }
+  const double doubled_area = glm::length(glm::cross(p[1] - p[0], p[2] - p[0]));
+  element.area = 0.5 * doubled_area / elements.unknowns.largest_area;
+  for (int i = 0; i < 3; ++i) {
+    element.cotangents[i] = glm::dot(p[(i + 1) % 3] - p[i], p[(i + 2) % 3] - p[i]) / doubled_area;
+    element.across[i] = corner_across(elements, element.unknowns[i], element.unknowns[(i + 1) % 3]);
+  }
+  return element;
+}
 
-  glm::dvec3 product(std::size_t row, const std::vector<glm::dvec3>& x) const {
-    glm::dvec3 sum(0);
-    for (std::size_t e = row > 0 ? ends[row - 1] : 0; e < ends[row]; ++e) sum += values[e] * x[columns[e]];
-    return sum;
+/// Keeps elements for a while: each has a part in some ten rows, which mostly follow soon.
+class RecentElements {
+ public:
+  explicit RecentElements(const Elements& elements)
+      : elements_(elements), kept_(std::clamp<std::size_t>(elements.mesh.n_triangles() / 32, 1, 16384)) {}
+  Element operator[](std::uint32_t triangle) {
+    Kept& kept = kept_[triangle % kept_.size()];
+    if (kept.triangle != triangle) kept = {triangle, element_of(elements_, triangle)};
+    return kept.element;
   }
-  double sum(std::size_t row) const {
-    const auto at = [&](std::size_t end) { return values.begin() + static_cast<std::ptrdiff_t>(end); };
-    return std::accumulate(at(row > 0 ? ends[row - 1] : 0), at(ends[row]), 0.0);
-  }
+
+ private:
+  struct Kept {
+    std::uint32_t triangle = none;
+    Element element;
+  };
+  const Elements& elements_;
+  std::vector<Kept> kept_;
 };
 
+/// An entry of the matrix that is far from the diagonal.
+struct FarEntry {
+  std::uint32_t row = 0, column = 0;
+  float value = 0;
+};
+
+/// A block of consecutive rows of a symmetric matrix of diagonal 1: of each row what is right of that.
+struct Rows {
+  std::vector<std::uint32_t> ends;   ///< Of each row, in `steps` and `values`.
+  std::vector<std::uint16_t> steps;  ///< Column − row, ascending in each row.
+  std::vector<float> values;
+  std::vector<FarEntry> far;  ///< Where the step is too long for 16 bits.
+  std::size_t n_beyond = 0;   ///< How far steps reach behind the last row.
+};
+
+/// D^-½ A D^-½ for the matrix A of the normal equations and its diagonal D.
 struct Matrix {
-  std::vector<Rows> blocks;      ///< Of `rows_per_block`, the last one of fewer.
-  std::vector<double> diagonal;  ///< Once more.
+  std::vector<Rows> blocks;  ///< Of `rows_per_block`, the last one of fewer.
+  std::vector<float> roots;  ///< D^½.
 };
 
 using Entries = std::vector<std::pair<std::uint32_t, double>>;  // columns and values
 
-/// Adds what one triangle gives to the row of the unknown at its corner `corner` (3·triangle + c).
-void add_to_row(const std::vector<Element>& elements, std::uint32_t corner, double gradient_weight,
-                Entries& row) {
-  const Element& f = elements[corner / 3];
+/// Adds what one triangle gives to the row of the unknown at its corner `corner` (3·triangle + c), from the
+/// diagonal on.
+void add_to_row(RecentElements& elements, std::uint32_t corner, double gradient_weight, Entries& row) {
+  const Element f = elements[corner / 3];
   const int i = static_cast<int>(corner % 3);
+  const auto add = [&](std::uint32_t column, double value) {
+    if (column >= f.unknowns[i]) row.emplace_back(column, value);
+  };
   glm::dvec3 values(f.area / 12);
   values[i] *= 2;
-  for (int k = 0; k < 3; ++k) {
-    if (f.beyond[k] == none) continue;
+  for (int k = 0; k < 3 && gradient_weight > 0; ++k) {
+    if (f.across[k] == none) continue;
     // l times the jump is s + t over the corners of both. Of a row of an end of the side this is what s_i
     // gives; what t gives comes from g.
-    const Element& g = elements[f.beyond[k] / 3];
-    const int m = static_cast<int>(f.beyond[k] % 3);
+    const Element g = elements[f.across[k] / 3];
+    const int m = static_cast<int>(f.across[k] % 3);
     const glm::dvec3 s = slopes_across(f, k), t = slopes_across(g, m);
     const double scale = gradient_weight * std::min(f.area, g.area) *
                          std::min(height_over_side(f, k), height_over_side(g, m)) * s[i];
     values += scale * s;
     values[k] += scale * t[(m + 1) % 3];
     values[(k + 1) % 3] += scale * t[m];
-    row.emplace_back(g.unknowns[(m + 2) % 3], scale * t[(m + 2) % 3]);
+    add(g.unknowns[(m + 2) % 3], scale * t[(m + 2) % 3]);
   }
-  for (int j = 0; j < 3; ++j) row.emplace_back(f.unknowns[j], values[j]);
+  for (int j = 0; j < 3; ++j) add(f.unknowns[j], values[j]);
 }
 
-/// Each row gathers from the triangles around its unknown; where there is none it is one of the identity.
-Matrix assemble(const std::vector<Element>& elements, const Corners& corners, std::size_t n_unknowns,
-                double gradient_weight) {
-  Matrix matrix{.blocks = std::vector<Rows>((n_unknowns + rows_per_block - 1) / rows_per_block),
-                .diagonal = std::vector<double>(n_unknowns)};
-  parallel_blocks(n_unknowns, rows_per_block, [&](std::size_t begin, std::size_t end) {
+/// Sorts the entries by their columns and adds those of the same.
+void merge(Entries& row) {
+  std::sort(row.begin(), row.end());
+  std::size_t n = 0;
+  for (const auto& [column, value] : row)
+    if (n > 0 && row[n - 1].first == column)
+      row[n - 1].second += value;
+    else
+      row[n++] = {column, value};
+  row.resize(n);
+}
+
+/// Each row gathers from the triangles around its unknown.
+Matrix assemble(const Elements& elements, double gradient_weight) {
+  const std::size_t n = elements.unknowns.count;
+  Matrix matrix{.blocks = std::vector<Rows>((n + rows_per_block - 1) / rows_per_block),
+                .roots = std::vector<float>(n)};
+  parallel_blocks(n, rows_per_block, [&](std::size_t begin, std::size_t end) {
+    RecentElements recent(elements);
     Rows rows;
+    constexpr std::size_t n_usual = 7;  // Entries of a row.
+    rows.steps.reserve(n_usual * (end - begin));
+    rows.values.reserve(n_usual * (end - begin));
     Entries row;
     for (std::size_t u = begin; u < end; ++u) {
       row.clear();
-      for (const std::uint32_t corner : corners.of(u)) add_to_row(elements, corner, gradient_weight, row);
-      if (row.empty()) row.emplace_back(u, 1.0);
-      std::stable_sort(row.begin(), row.end(),
-                       [](const auto& a, const auto& b) { return a.first < b.first; });
-      for (std::size_t e = 0; e < row.size();) {
-        const std::uint32_t column = row[e].first;
-        double value = 0;
-        for (; e < row.size() && row[e].first == column; ++e) value += row[e].second;
-        rows.columns.push_back(column);
-        rows.values.push_back(value);
-        if (column == u) matrix.diagonal[u] = value;
+      for (const std::uint32_t corner : elements.around(u)) add_to_row(recent, corner, gradient_weight, row);
+      merge(row);
+      const double diagonal = row.front().second;
+      matrix.roots[u] = static_cast<float>(std::sqrt(diagonal));
+      for (const auto& [column, value] : std::span(row).subspan(1)) {
+        const std::size_t step = column - u;
+        const auto by_diagonal = static_cast<float>(value / diagonal);  // So that it is in float's range.
+        if (step > std::numeric_limits<std::uint16_t>::max()) {
+          rows.far.push_back({static_cast<std::uint32_t>(u), column, by_diagonal});
+          continue;
+        }
+        rows.steps.push_back(static_cast<std::uint16_t>(step));
+        rows.values.push_back(by_diagonal);
+        rows.n_beyond = std::max(rows.n_beyond, column + 1 - std::min<std::size_t>(column + 1, end));
       }
-      rows.ends.push_back(rows.columns.size());
+      rows.ends.push_back(static_cast<std::uint32_t>(rows.steps.size()));
     }
-    rows.columns.shrink_to_fit();
+    rows.steps.shrink_to_fit();
     rows.values.shrink_to_fit();
     matrix.blocks[begin / rows_per_block] = std::move(rows);
+  });
+  parallel_blocks(n, rows_per_block, [&](std::size_t begin, std::size_t end) {
+    Rows& rows = matrix.blocks[begin / rows_per_block];
+    const auto scale = [&](std::size_t row, std::size_t column) {
+      return matrix.roots[row] / matrix.roots[column];
+    };
+    for (std::size_t u = begin, e = 0; u < end; ++u)
+      for (; e < rows.ends[u - begin]; ++e) rows.values[e] *= scale(u, u + rows.steps[e]);
+    for (FarEntry& entry : rows.far) entry.value *= scale(entry.row, entry.column);
   });
   return matrix;
 }
 
-/// The normal equations.
-struct System {
-  Matrix matrix;
-  std::vector<glm::dvec3> right;
-  std::vector<char> is_free;  ///< V: whether the vertex is in a triangle that takes part.
+/// A product with the matrix: by block its rows and, behind them, what the block adds to rows that follow.
+using Product = std::vector<std::vector<float>>;
+
+/// Blocks side by side, each with its own sums; what they have for each other is added in their order.
+void multiply(const Matrix& matrix, const std::vector<float>& x, Product& product) {
+  product.resize(matrix.blocks.size());
+  parallel_blocks(x.size(), rows_per_block, [&](std::size_t begin, std::size_t end) {
+    const Rows& rows = matrix.blocks[begin / rows_per_block];
+    std::vector<float>& sums = product[begin / rows_per_block];
+    sums.assign(end - begin + rows.n_beyond, 0.0f);
+    for (std::size_t u = begin, e = 0; u < end; ++u) {
+      float sum = x[u];
+      for (; e < rows.ends[u - begin]; ++e) {
+        const std::size_t column = u + rows.steps[e];
+        sum += rows.values[e] * x[column];
+        sums[column - begin] += rows.values[e] * x[u];
+      }
+      sums[u - begin] += sum;
+    }
+  });
+  const auto at = [&](std::size_t u) -> float& { return product[u / rows_per_block][u % rows_per_block]; };
+  for (std::size_t b = 0; b < product.size(); ++b) {
+    for (std::size_t u = (b + 1) * rows_per_block; u < b * rows_per_block + product[b].size(); ++u)
+      at(u) += product[b][u - b * rows_per_block];
+    for (const FarEntry& entry : matrix.blocks[b].far) {
+      at(entry.row) += entry.value * x[entry.column];
+      at(entry.column) += entry.value * x[entry.row];
+    }
+  }
+}
+
+/// By unknown, divided by the root of its diagonal.
+struct RightSide {
+  std::array<std::vector<float>, 3> integrals;  ///< ∫ b_i D⊗E dA, by channel.
+  std::vector<float> masses;                    ///< ∫ b_i dA.
 };
 
-System system_of(const Scene& scene, const Unknowns& unknowns, double gradient_weight) {
-  const Mesh& mesh = scene.mesh;
-  std::vector<Element> elements = elements_of(scene, unknowns);
-  const Corners corners = corners_by_unknown(elements, unknowns.count);
-  System system;
-  system.right = right_side(scene, elements, corners, unknowns.count);
-  if (gradient_weight > 0) find_neighbours(mesh, elements);
-  system.matrix = assemble(elements, corners, unknowns.count, gradient_weight);
-  system.is_free.assign(mesh.n_vertices(), 0);
-  for (std::size_t f = 0; f < elements.size(); ++f)
-    if (elements[f].area > 0)
-      for (int i = 0; i < 3; ++i) system.is_free[mesh.triangles[f][i]] = 1;
-  return system;
+RightSide right_side(const Scene& scene, const Unknowns& unknowns, const Matrix& matrix) {
+  constexpr std::size_t chunk = 64 * triangles_per_block;
+  RightSide right;
+  for (std::vector<float>& channel : right.integrals) channel.assign(unknowns.count, 0.0f);
+  right.masses.assign(unknowns.count, 0.0f);
+  const std::size_t n = scene.mesh.n_triangles();
+  std::vector<std::pair<double, glm::dmat3>> parts(std::min(n, chunk));  // Areas; see moments().
+  for (std::size_t first = 0; first < n; first += chunk) {
+    const std::size_t n_now = std::min(chunk, n - first);
+    parallel_blocks(n_now, triangles_per_block, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t k = begin; k < end; ++k) {
+        if (!unknowns.takes_part[first + k]) continue;
+        const Patch patch = patch_of(scene.mesh, first + k);
+        parts[k] = {area_of(patch) / unknowns.largest_area, moments(patch, scene.lights)};
+      }
+    });
+    for (std::size_t k = 0; k < n_now; ++k) {
+      if (!unknowns.takes_part[first + k]) continue;
+      for (int i = 0; i < 3; ++i) {
+        const std::uint32_t u = unknowns.of[scene.mesh.triangles[first + k][i]];
+        const double share = parts[k].first / matrix.roots[u];
+        right.masses[u] += static_cast<float>(share / 3);
+        for (int c = 0; c < 3; ++c)
+          right.integrals[c][u] += static_cast<float>(share * parts[k].second[i][c]);
+      }
+    }
+  }
+  return right;
 }
 
 /// The sum of body(begin, end) over the blocks of n rows, in their order.
@@ -305,150 +403,142 @@ auto sum_over_blocks(std::size_t n, const Body& body) {
   return std::accumulate(sums.begin(), sums.end(), decltype(body(n, n))(0.0));
 }
 
-/// What the solver starts from.
-struct Guess {
-  std::vector<glm::dvec3> x{};           ///< The samples, by unknown.
-  std::vector<glm::bvec3> is_below_1{};  ///< Channels that stay so: the light is at the vertex and, in the
-                                         ///< mean, around it.
+float finite_or_0(float value) {
+  return std::isfinite(value) ? value : 0;
+}
+
+/// What colours may be.
+struct Bounds {
+  /// By channel and unknown, where a colour stays so: the light is at the vertex and, in the mean, around it.
+  std::array<std::vector<bool>, 3> is_below_1;
   /// The step of a colour that counts as none: far below what a file or a screen shows, and what double holds
   /// of the brightest.
   double resolution = 0;
 };
 
-void set_bounds(const System& system, Guess& guess) {
+Bounds bounds_of(const Unknowns& unknowns, const std::vector<LinearRgb>& samples, const RightSide& right) {
+  Bounds bounds;
   double brightest = 0;
-  guess.is_below_1.resize(guess.x.size());
-  for (std::size_t u = 0; u < guess.x.size(); ++u) {
-    const double mass = system.matrix.blocks[u / rows_per_block].sum(u % rows_per_block);
-    const glm::dvec3 light = glm::max(guess.x[u], system.right[u] / mass);
-    guess.is_below_1[u] = glm::lessThanEqual(light, glm::dvec3(1));
-    for (int c = 0; c < 3; ++c)
-      if (std::isfinite(light[c])) brightest = std::max(brightest, light[c]);
+  for (int c = 0; c < 3; ++c) {
+    bounds.is_below_1[c].resize(unknowns.count);
+    for (std::size_t v = 0; v < samples.size(); ++v) {
+      const std::uint32_t u = unknowns.of[v];
+      if (u == none) continue;
+      const double mean = double(right.integrals[c][u]) / right.masses[u];
+      const double light = std::max<double>(finite_or_0(samples[v].*channels[c]), mean);
+      bounds.is_below_1[c][u] = light <= 1;
+      if (std::isfinite(light)) brightest = std::max(brightest, light);
+    }
   }
-  guess.resolution = std::max(1e-8 * std::min(1.0, brightest), 1e-14 * brightest);
+  bounds.resolution = std::max(1e-7 * std::min(1.0, brightest), 1e-14 * brightest);
+  return bounds;
 }
 
-/// Where the solver is, for the three channels side by side.
+/// Where the solver is with one channel. Colours, and steps of them, are multiplied by the roots.
 struct Iterate {
-  std::vector<glm::dvec3> x;
-  std::vector<glm::dvec3> residual;   ///< Right side - A x.
-  std::vector<glm::dvec3> direction;  ///< Of the next step.
-  std::vector<glm::dvec3> image;      ///< A · direction.
-  std::vector<glm::bvec3> is_free;    ///< The others are held at a bound.
+  std::vector<float> x{};
+  std::vector<float> residual{};   ///< Right side − A x.
+  std::vector<float> direction{};  ///< Of the next step.
+  Product image{};                 ///< A · direction.
+  std::vector<char> is_free{};     ///< The others are held at a bound.
 };
 
-/// Of the free residual r and the diagonal d: Σ r²/d, and the largest |r|/d, a step of a colour.
+/// Of the free residual: the sum of squares, and the largest step of a colour.
 struct Distance {
-  glm::dvec3 square{0.0}, largest{0.0};
+  double square = 0, largest = 0;
 
   explicit Distance(double = 0) {}
   friend Distance operator+(Distance a, const Distance& b) {
     a.square += b.square;
-    a.largest = glm::max(a.largest, b.largest);
+    a.largest = std::max(a.largest, b.largest);
     return a;
   }
 };
 
-/// A step along `direction`, then conjugate gradients with the diagonal as preconditioner among what is free,
-/// until no colour is a step of `resolution` away. A large face elsewhere must not hide what small ones lack.
+/// A step along `direction`, then conjugate gradients among what is free, until no colour is a step of
+/// `resolution` away. A large face elsewhere must not hide what small ones lack.
 /// @param n_left  of iterations: counted down.
 void descend(const Matrix& matrix, double resolution, int& n_left, Iterate& at) {
   const std::size_t n = at.x.size();
-  const auto ratio = [](const glm::dvec3& a, const glm::dvec3& b) {
-    glm::dvec3 r(0);  // where nothing is left to do
-    for (int c = 0; c < 3; ++c)
-      if (b[c] > 0) r[c] = a[c] / b[c];
-    return r;
-  };
-  const auto set_image = [&](std::size_t u) -> const glm::dvec3& {
-    return at.image[u] = matrix.blocks[u / rows_per_block].product(u % rows_per_block, at.direction);
-  };
-  const auto free_residual = [&](std::size_t u) { return at.residual[u] * glm::dvec3(at.is_free[u]); };
-  parallel_blocks(n, rows_per_block, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t u = begin; u < end; ++u) set_image(u);
-  });
-  glm::dvec3 step(1), old_rz(0);
+  const auto free_residual = [&](std::size_t u) { return at.is_free[u] ? at.residual[u] : 0.0f; };
+  const auto image = [&](std::size_t u) { return at.image[u / rows_per_block][u % rows_per_block]; };
+  multiply(matrix, at.direction, at.image);
+  double step = 1, old_square = 0;
   for (;;) {
     const Distance left = sum_over_blocks(n, [&](std::size_t begin, std::size_t end) {
       Distance sum;
+      const auto along = static_cast<float>(step);
       for (std::size_t u = begin; u < end; ++u) {
-        at.x[u] += step * at.direction[u];
-        at.residual[u] -= step * at.image[u];
-        const glm::dvec3 r = free_residual(u), change = r / matrix.diagonal[u];
-        sum.square += r * change;
-        sum.largest = glm::max(sum.largest, glm::abs(change));
+        at.x[u] += along * at.direction[u];
+        at.residual[u] -= along * image(u);
+        const double r = free_residual(u);
+        sum.square += r * r;
+        sum.largest = std::max(sum.largest, std::abs(r) / matrix.roots[u]);
       }
       return sum;
     });
-    if (!glm::any(glm::greaterThan(left.largest, glm::dvec3(resolution))) || --n_left <= 0) return;
-    const glm::dvec3 turn = ratio(left.square, old_rz);
-    old_rz = left.square;
+    if (!(left.largest > resolution) || --n_left <= 0) return;
+    const auto turn = static_cast<float>(old_square > 0 ? left.square / old_square : 0);
+    old_square = left.square;
     parallel_blocks(n, rows_per_block, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t u = begin; u < end; ++u)
-        at.direction[u] = free_residual(u) / matrix.diagonal[u] + turn * at.direction[u];
+      for (std::size_t u = begin; u < end; ++u) at.direction[u] = free_residual(u) + turn * at.direction[u];
     });
-    step = ratio(old_rz, sum_over_blocks(n, [&](std::size_t begin, std::size_t end) {
-                   glm::dvec3 sum(0);
-                   for (std::size_t u = begin; u < end; ++u) sum += at.direction[u] * set_image(u);
-                   return sum;
-                 }));
+    multiply(matrix, at.direction, at.image);
+    const double curvature = sum_over_blocks(n, [&](std::size_t begin, std::size_t end) {
+      double sum = 0;
+      for (std::size_t u = begin; u < end; ++u) sum += double(at.direction[u]) * image(u);
+      return sum;
+    });
+    step = curvature > 0 ? old_square / curvature : 0;
   }
 }
 
 /// Holds at its bound what is beyond, with a step there as the new direction, and frees what the residual
 /// pulls off. @returns how many of both.
-std::size_t change_held(const Matrix& matrix, const Guess& guess, Iterate& at) {
-  const double least_change = 100 * guess.resolution;
+std::size_t change_held(const Matrix& matrix, const Bounds& bounds, int channel, Iterate& at) {
+  const double least_change = 100 * bounds.resolution;
   return sum_over_blocks(at.x.size(), [&](std::size_t begin, std::size_t end) {
     std::size_t n_changed = 0;
-    for (std::size_t u = begin; u < end; ++u)
-      for (int c = 0; c < 3; ++c) {
-        const double x = at.x[u][c], pull = at.residual[u][c] / matrix.diagonal[u];
-        const bool is_low = x < -least_change, is_high = guess.is_below_1[u][c] && x > 1 + least_change;
-        const bool was_free = at.is_free[u][c];
-        const bool is_free = was_free ? !is_low && !is_high : (x < 0.5 ? pull : -pull) > least_change;
-        at.direction[u][c] = was_free && !is_free ? (is_high ? 1 : 0) - x : 0;
-        at.is_free[u][c] = is_free;
-        n_changed += is_free != was_free;
-      }
+    for (std::size_t u = begin; u < end; ++u) {
+      const double root = matrix.roots[u], x = at.x[u] / root, pull = at.residual[u] / root;
+      const bool is_low = x < -least_change, is_high = bounds.is_below_1[channel][u] && x > 1 + least_change;
+      const bool was_free = at.is_free[u];
+      const bool is_free = was_free ? !is_low && !is_high : (x < 0.5 ? pull : -pull) > least_change;
+      at.direction[u] = was_free && !is_free ? static_cast<float>(((is_high ? 1 : 0) - x) * root) : 0.0f;
+      at.is_free[u] = is_free;
+      n_changed += is_free != was_free;
+    }
     return n_changed;
   });
 }
 
-struct Solution {
-  std::vector<glm::dvec3> x;    ///< Within the bounds.
-  std::size_t n_unsettled = 0;  ///< Unknowns that a step more would move by a 16-bit step or further.
-};
-
-/// Least squares with 0 <= x, and x <= 1 where the guess says so, by a primal-dual active set (Hintermüller,
+/// Least squares with 0 <= x, and x <= 1 where the bounds say so, by a primal-dual active set (Hintermüller,
 /// Ito, Kunisch 2002). Scaled by its diagonal the matrix has eigenvalues between 1 / (2 + 144 α) and 4 on any
 /// mesh: the mass matrix, scaled by its own, from 1/2 to 2 (Wathen 1987), to which the jumps, of four colours
 /// each, add at most 72 α. So it takes few iterations, unless α is large. (From the samples: where it does
 /// not come to its end, it has not gone far.)
-Solution solve(const Matrix& matrix, std::vector<glm::dvec3> right, Guess guess) {
+/// @param at  with the right side as residual and the samples as direction; without an image.
+/// @param is_unsettled  set where a step more would move a colour by a 16-bit step or further.
+/// @returns the colours, within the bounds.
+std::vector<float> solve(const Matrix& matrix, const Bounds& bounds, int channel, Iterate at,
+                         std::vector<bool>& is_unsettled) {
   constexpr double settled = 1.0 / 65535;
-  const std::size_t n = right.size();
-  Iterate at{.x = std::vector<glm::dvec3>(n, glm::dvec3(0)),
-             .residual = std::move(right),
-             .direction = std::move(guess.x),
-             .image = std::vector<glm::dvec3>(n),
-             .is_free = std::vector<glm::bvec3>(n, glm::bvec3(true))};
+  const std::size_t n = matrix.roots.size();
+  at.x.assign(n, 0.0f);
+  at.is_free.assign(n, true);
   int n_left = 2000;
-  do descend(matrix, guess.resolution, n_left, at);
-  while (change_held(matrix, guess, at) > 0 && n_left > 0);
+  do descend(matrix, bounds.resolution, n_left, at);
+  while (change_held(matrix, bounds, channel, at) > 0 && n_left > 0);
 
-  Solution solution{.x = std::move(at.x)};
   for (std::size_t u = 0; u < n; ++u) {
-    glm::dvec3& x = solution.x[u];
-    const glm::dvec3 before = x;
-    x = glm::max(x, 0.0);
-    for (int c = 0; c < 3; ++c)
-      if (guess.is_below_1[u][c]) x[c] = std::min(x[c], 1.0);
-    const glm::dvec3 step = at.residual[u] / matrix.diagonal[u] * glm::dvec3(at.is_free[u]);
-    solution.n_unsettled +=
-        !glm::all(glm::lessThan(glm::abs(step) + glm::abs(x - before), glm::dvec3(settled)));
+    const float before = at.x[u] / matrix.roots[u];
+    float& x = at.x[u];
+    x = std::max(before, 0.0f);
+    if (bounds.is_below_1[channel][u]) x = std::min(x, 1.0f);
+    const double step = at.is_free[u] ? at.residual[u] / matrix.roots[u] : 0;
+    if (!(std::abs(step) + std::abs(x - before) < settled)) is_unsettled[u] = true;
   }
-  return solution;
+  return std::move(at.x);
 }
 
 }  // namespace
@@ -462,24 +552,37 @@ BakedColors bake_least_squares(const Scene& scene, const BakeOptions& options) {
         fmt::format("least squares: expected at most {} triangles, found {}", none / 3, mesh.n_triangles()));
   BakedColors baked;
   baked.colors = sample_at_vertices(scene, mesh, 0).colors;
-  const Unknowns unknowns = find_unknowns(mesh);
+  const Unknowns unknowns = find_unknowns(scene);
+  const Matrix matrix = assemble(elements_of(mesh, unknowns), options.gradient_weight);
+  RightSide right = right_side(scene, unknowns, matrix);
+  const Bounds bounds = bounds_of(unknowns, baked.colors, right);
+  right.masses = {};
 
-  System system = system_of(scene, unknowns, options.gradient_weight);
-  Guess guess{.x = std::vector<glm::dvec3>(unknowns.count, glm::dvec3(0))};
-  for (std::size_t v = 0; v < mesh.n_vertices(); ++v) {
-    const LinearRgb& c = baked.colors[v];
-    if (system.is_free[v] && is_finite(c)) guess.x[unknowns.of[v]] = {c.r, c.g, c.b};
-  }
-  set_bounds(system, guess);
-  const Solution solution = solve(system.matrix, std::move(system.right), std::move(guess));
-
-  for (std::size_t v = 0; v < mesh.n_vertices(); ++v) {
-    if (!system.is_free[v]) continue;  // keeps the sample
-    const glm::dvec3& x = solution.x[unknowns.of[v]];
-    baked.colors[v] = {static_cast<float>(x[0]), static_cast<float>(x[1]), static_cast<float>(x[2])};
+  // Grey light on grey surfaces is solved once.
+  std::array<bool, 3> is_like_previous{};
+  for (int c = 1; c < 3; ++c)
+    is_like_previous[c] = right.integrals[c] == right.integrals[c - 1] &&
+                          std::all_of(baked.colors.begin(), baked.colors.end(), [&](const LinearRgb& s) {
+                            return s.*channels[c] == s.*channels[c - 1];
+                          });
+  std::vector<bool> is_unsettled(unknowns.count, false);
+  for (int c = 0; c < 3; ++c) {
+    if (is_like_previous[c]) {
+      for (LinearRgb& color : baked.colors) color.*channels[c] = color.*channels[c - 1];
+      continue;
+    }
+    Iterate start{.residual = std::move(right.integrals[c]), .direction = std::vector<float>(unknowns.count)};
+    for (std::size_t v = 0; v < mesh.n_vertices(); ++v) {
+      const std::uint32_t u = unknowns.of[v];
+      if (u != none) start.direction[u] = finite_or_0(baked.colors[v].*channels[c]) * matrix.roots[u];
+    }
+    const std::vector<float> x = solve(matrix, bounds, c, std::move(start), is_unsettled);
+    for (std::size_t v = 0; v < mesh.n_vertices(); ++v)
+      if (unknowns.of[v] != none) baked.colors[v].*channels[c] = x[unknowns.of[v]];
   }
   add_finding(
-      baked.findings, "least_squares_unsettled", solution.n_unsettled,
+      baked.findings, "least_squares_unsettled",
+      static_cast<std::size_t>(std::count(is_unsettled.begin(), is_unsettled.end(), true)),
       "colour[ is|s are] not settled: with so large a gradient weight slivers keep least squares from "
       "its end; other methods do not mind them");
   return baked;

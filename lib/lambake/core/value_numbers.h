@@ -27,6 +27,8 @@ class ValueNumbers {
     return number;
   }
   std::size_t size() const { return rows_.size(); }
+  /// Memory for `n` different rows, so that no more is needed for a moment while there come to be as many.
+  void reserve(std::size_t n) { rows_.reserve(n); }
 
  private:
   using Row = std::array<std::uint32_t, N>;
