@@ -27,8 +27,14 @@ pid_t start_tool(const ScratchFolder& scratch, const std::string& arguments, con
   ::_exit(127);
 }
 
+/// Its status at the end, which is that of a kill if it has not come to it within a minute.
 int status_of(pid_t child) {
   int status = -1;
+  for (int i = 0; i < 60000; ++i) {
+    if (::waitpid(child, &status, WNOHANG) == child) return status;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  ::kill(child, SIGKILL);
   return ::waitpid(child, &status, 0) == child ? status : -1;
 }
 
