@@ -8,12 +8,14 @@
 
 #include "lambake/core/parallel.h"
 #include "lambake/core/value_numbers.h"
+#include "lambake/shading/point_ranges.h"
 
 namespace lambake {
 namespace {
 
 constexpr std::uint32_t none = Unknowns::none;
 constexpr std::size_t rows_per_block = SparseMatrix::rows_per_block;
+constexpr std::size_t longest_step = std::numeric_limits<std::uint16_t>::max();
 
 /// A triangle that takes part, as the matrix sees it.
 struct Element {
@@ -173,6 +175,32 @@ void merge(Entries& row) {
   row.resize(n);
 }
 
+/// Whether more than one in 16 triangles has corners too far apart for short steps.
+bool is_scattered(const Mesh& mesh, const Unknowns& unknowns) {
+  std::size_t n_far = 0;
+  for (std::size_t f = 0; f < mesh.n_triangles(); ++f) {
+    if (!unknowns.takes_part[f]) continue;
+    const glm::uvec3& t = mesh.triangles[f];
+    const auto [low, high] = std::minmax({unknowns.of[t.x], unknowns.of[t.y], unknowns.of[t.z]});
+    n_far += high - low > longest_step;
+  }
+  return n_far > mesh.n_triangles() / 16;
+}
+
+/// Gives those that lie near each other and face alike numbers that are near.
+void number_by_place(const Mesh& mesh, Unknowns& unknowns) {
+  std::vector<std::uint32_t> numbers(unknowns.count, none);
+  std::uint32_t n = 0;
+  for (const KeyedPoint& item : sort_points(mesh.positions, mesh.normals, bounds_of(mesh.positions))) {
+    const std::uint32_t u = unknowns.of[item.point];
+    if (u != none && numbers[u] == none) numbers[u] = n++;
+  }
+  for (std::uint32_t& number : numbers)
+    if (number == none) number = n++;
+  for (std::uint32_t& u : unknowns.of)
+    if (u != none) u = numbers[u];
+}
+
 }  // namespace
 
 Unknowns find_unknowns(const Scene& scene) {
@@ -198,6 +226,7 @@ Unknowns find_unknowns(const Scene& scene) {
     }
   }
   unknowns.count = numbers.size();
+  if (is_scattered(mesh, unknowns)) number_by_place(mesh, unknowns);
   return unknowns;
 }
 
@@ -222,7 +251,7 @@ SparseMatrix least_squares_matrix(const Mesh& mesh, const Unknowns& unknowns, do
       for (const auto& [column, value] : std::span(row).subspan(1)) {
         const std::size_t step = column - u;
         const auto by_diagonal = static_cast<float>(value / diagonal);  // So that it is in float's range.
-        if (step > std::numeric_limits<std::uint16_t>::max()) {
+        if (step > longest_step) {
           rows.far.push_back({static_cast<std::uint32_t>(u), column, by_diagonal});
           continue;
         }

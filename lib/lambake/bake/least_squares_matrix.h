@@ -27,8 +27,9 @@ inline Patch patch_of(const Mesh& mesh, std::size_t triangle) {
 /// The colours to be found.
 struct Unknowns {
   static constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
-  /// V: numbered by the triangles, so that neighbours have numbers that are near. Vertices that are alike in
-  /// all that lights them share one, so that a texture seam does not show; none where no triangle takes part.
+  /// V: numbered by the triangles, or by place where those are in no order, so that neighbours have numbers
+  /// that are near. Vertices that are alike in all that lights them share one, so that a texture seam does
+  /// not show; none where no triangle takes part.
   std::vector<std::uint32_t> of;
   std::vector<bool> takes_part;  ///< F: it is lit and has an area.
   double largest_area = 0;
