@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "lambake/measure/surface_error.h"
@@ -51,7 +52,48 @@ TEST(SelectMethod, MostlyRounding_DecidesNothing) {
   EXPECT_NE(rounded.sentence.find("would do for"), std::string::npos) << rounded.sentence;
   const Selection both = select_method(scene, {.max_vertices = 670, .output = coarse});
   EXPECT_EQ(both.sentence.rfind("not decided: ", 0), 0U) << both.sentence;
-  EXPECT_NE(both.sentence.find("mostly as the output clips or rounds"), std::string::npos) << both.sentence;
+  EXPECT_NE(both.sentence.find("mostly as the output rounds"), std::string::npos) << both.sentence;
+}
+
+TEST(SelectMethod, LightAboveWhite_NamesTheExposure) {
+  const Scene scene = scene_of(icosphere(3), {sun({0.4f, 1, 0.3f}, {0.99f, 0.99f, 0.99f})});
+  const ColorOutput narrow = storing([](const LinearRgb& c) {
+    return LinearRgb{std::min(c.r, 0.9f), std::min(c.g, 0.9f), std::min(c.b, 0.9f)};
+  });
+  const std::string sentence = select_method(scene, {.output = narrow}).sentence;
+  EXPECT_NE(sentence.find("a lower exposure helps"), std::string::npos) << sentence;
+}
+
+TEST(SelectMethod, NormalsThatCancel_DecideNothing) {
+  Mesh mesh;
+  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 0, 1}};
+  mesh.normals = {{0, 1, 0}, {0, 1, 0}, {0, -1, 0}};  // 0 in the middle of two sides.
+  mesh.triangles = {{0, 2, 1}};
+  const Selection selection = select_method(scene_of(mesh, {sun({0.4f, 1, 0.3f})}), {.max_vertices = 100});
+  EXPECT_EQ(selection.sentence.rfind("not decided: ", 0), 0U) << selection.sentence;
+  EXPECT_NE(selection.sentence.find("--crease-angle-deg"), std::string::npos) << selection.sentence;
+}
+
+TEST(SelectMethod, OutputWithGaps_IsChosenForByTheLight) {
+  ColorOutput output;
+  output.gaps = {{.code = "certificate_not_of_file", .count = 1, .text = "material emits light"}};
+  const Selection sphere = select_method(scene_of(icosphere(3), {sun({0.4f, 1, 0.3f})}), {.output = output});
+  EXPECT_FALSE(sphere.is_certified);
+  EXPECT_EQ(sphere.trials[sphere.chosen].method, BakeMethod::adaptive);
+  EXPECT_NE(sphere.sentence.find("adaptive comes nearest, its light is less than 1/255 off"),
+            std::string::npos)
+      << sphere.sentence;
+  for (const MethodTrial& trial : sphere.trials) EXPECT_TRUE(std::isinf(trial.max_bound));
+  ASSERT_FALSE(sphere.baked.findings.empty());
+  EXPECT_EQ(std::count_if(sphere.baked.findings.begin(), sphere.baked.findings.end(),
+                          [](const Finding& f) { return f.code == "certificate_not_of_file"; }),
+            1);
+  const Selection flat = select_method(scene_of(grid(4, 1), {sun({0.4f, 1, 0.3f})}), {.output = output});
+  EXPECT_EQ(flat.trials.size(), 2U);
+  EXPECT_EQ(flat.baked.findings.size(), 1U);
+  const Selection few =
+      select_method(scene_of(icosphere(3), {sun({0.4f, 1, 0.3f})}), {.max_vertices = 700, .output = output});
+  EXPECT_NE(few.sentence.find("its light is up to"), std::string::npos) << few.sentence;
 }
 
 TEST(SelectMethod, TooLittleTime_DecidesNothing) {

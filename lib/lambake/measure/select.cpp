@@ -16,48 +16,67 @@ std::string steps(double error) {
   return std::isfinite(error) ? upper_bound_text(error * 255) + "/255" : "no bound";
 }
 
-/// Triangles that only storage keeps from being certified.
-std::size_t open_by_storage(const BakedColors& baked) {
+std::size_t count_of(const BakedColors& baked, const char* code) {
   for (const Finding& finding : baked.findings)
-    if (finding.code == "triangles_open_by_storage") return finding.count;
+    if (finding.code == code) return finding.count;
   return 0;
 }
 
-std::string verdict(const Selection& selection, const BakeOptions& options, std::size_t n_vertices) {
+/// Whether the output has no room for some of the colours. @param baked  as computed.
+bool is_clipped(const Scene& scene, const ColorOutput& output, const BakedColors& baked) {
+  std::vector<ColorRange> ranges;
+  for (const Material& material : scene.materials) ranges.push_back(stored_range(output, material));
+  const std::vector<std::uint32_t> materials = vertex_materials(mesh_of(scene, baked));
+  for (std::size_t v = 0; v < materials.size(); ++v) {
+    const LinearRgb &c = baked.colors[v], &high = ranges[materials[v]].high;
+    if (c.r > high.r || c.g > high.g || c.b > high.b) return true;
+  }
+  return false;
+}
+
+/// @param is_clipped  Whether the sampled colours are.
+std::string verdict(const Selection& selection, const BakeOptions& options, std::size_t n_vertices,
+                    bool is_clipped) {
   const MethodTrial& best = selection.trials[selection.chosen];
-  const std::string count = group_digits(best.n_vertices);
+  const std::string count = group_digits(best.n_vertices), asked = steps(options.tolerance);
   if (!options.output.gaps.empty()) {
     const Finding& gap = options.output.gaps.front();
-    return fmt::format("nothing can be certified: {} {}; {} comes nearest, its light is up to {} off",
-                       gap.count, gap.text, name_of(best.method), steps(best.max_found));
+    const bool is_enough = best.max_found <= options.tolerance;
+    return fmt::format("nothing can be certified: {} {}; {} comes nearest, its light is {} {} off", gap.count,
+                       gap.text, name_of(best.method), is_enough ? "less than" : "up to",
+                       is_enough ? asked : steps(best.max_found));
   }
-  // Where storage alone spoils the result, light per pixel is not what is missing.
-  if (!selection.is_certified && selection.baked.certificate &&
-      open_by_storage(selection.baked) == selection.baked.certificate->open_triangles)
+  if (selection.is_certified)
+    return best.method == BakeMethod::adaptive
+               ? fmt::format("{} → {} vertices for at most {} anywhere; per-pixel lighting is not needed",
+                             group_digits(n_vertices), count, steps(best.max_bound))
+               : fmt::format("{} suffices: at most {} anywhere", name_of(best.method), steps(best.max_bound));
+  // Where what is left has another cause, light per pixel is not what is missing.
+  const std::size_t n_open = selection.baked.certificate ? selection.baked.certificate->open_triangles : 0;
+  const std::size_t n_by_storage = count_of(selection.baked, "triangles_open_by_storage");
+  const char* cure = is_clipped ? "clips colours; a lower exposure helps" : "rounds colours; finer ones help";
+  if (n_by_storage == n_open)
+    return fmt::format("{} → {} vertices would do for {}, but up to {} are left as the output {}",
+                       group_digits(n_vertices), count, asked, steps(best.max_bound), cure);
+  if (2 * n_by_storage > n_open)
     return fmt::format(
-        "{} → {} vertices would do for {}, but the output clips or rounds colours: up to {} off; "
-        "a lower exposure or finer colours help",
-        group_digits(n_vertices), count, steps(options.tolerance), steps(best.max_bound));
-  if (!selection.is_certified && selection.baked.certificate &&
-      2 * open_by_storage(selection.baked) > selection.baked.certificate->open_triangles)
+        "not decided: {} vertices leave errors up to {} where {} is asked, but mostly as the output {}",
+        count, steps(best.max_bound), asked, cure);
+  if (2 * count_of(selection.baked, "triangles_without_direction") > n_open)
     return fmt::format(
-        "not decided: {} vertices leave errors up to {} where {} is asked, but mostly as the output clips or "
-        "rounds colours; a lower exposure or finer colours help",
-        count, steps(best.max_bound), steps(options.tolerance));
+        "not decided: {} vertices leave errors up to {} where {} is asked, but mostly where normals cancel, "
+        "so "
+        "that light per pixel has no direction either; --crease-angle-deg parts them",
+        count, steps(best.max_bound), asked);
   const std::string left = std::isfinite(best.max_bound)
                                ? fmt::format("errors up to {}", steps(best.max_bound))
                                : "errors without a bound";
-  if (!selection.is_certified && selection.baked.certificate && selection.baked.certificate->is_out_of_time)
+  if (selection.baked.certificate && selection.baked.certificate->is_out_of_time)
     return fmt::format(
         "not decided in {:g} s: {} vertices leave {} where {} is asked; with more time cutting goes on",
-        options.max_seconds, count, left, steps(options.tolerance));
-  if (!selection.is_certified)
-    return fmt::format("per-pixel lighting is needed: even {} vertices leave {} where {} is asked", count,
-                       left, steps(options.tolerance));
-  if (best.method == BakeMethod::adaptive)
-    return fmt::format("{} → {} vertices for at most {} anywhere; per-pixel lighting is not needed",
-                       group_digits(n_vertices), count, steps(best.max_bound));
-  return fmt::format("{} suffices: at most {} anywhere", name_of(best.method), steps(best.max_bound));
+        options.max_seconds, count, left, asked);
+  return fmt::format("per-pixel lighting is needed: even {} vertices leave {} where {} is asked", count, left,
+                     asked);
 }
 
 }  // namespace
@@ -88,20 +107,23 @@ std::size_t stored_bytes(const Mesh& mesh, std::size_t color_bytes) {
 Selection select_method(const Scene& scene, const BakeOptions& options) {
   Selection selection;
   const bool can_certify = options.output.gaps.empty();
-  std::vector<BakeMethod> methods = {BakeMethod::face, BakeMethod::sample, BakeMethod::least_squares};
-  if (can_certify) methods.push_back(BakeMethod::adaptive);
-  const auto is_better = [&](const MethodTrial& trial, const MethodTrial& than) {
-    if (!can_certify) return trial.max_found < than.max_found;
-    if (trial.is_certified && than.is_certified) return trial.bytes < than.bytes;
-    return trial.is_certified || (!than.is_certified && trial.method == BakeMethod::adaptive);
+  std::vector<bool> is_enough;  // Of the trials, but for what the output has no place for.
+  const auto is_better = [&](std::size_t i, std::size_t than) {
+    if (is_enough[i] != is_enough[than]) return bool(is_enough[i]);
+    const MethodTrial &a = selection.trials[i], &b = selection.trials[than];
+    if (is_enough[i]) return a.bytes < b.bytes;
+    return can_certify ? a.method == BakeMethod::adaptive : a.max_found < b.max_found;
   };
-  for (const BakeMethod method : methods) {
+  bool samples_are_clipped = false;
+  for (const BakeMethod method :
+       {BakeMethod::face, BakeMethod::sample, BakeMethod::least_squares, BakeMethod::adaptive}) {
     BakeOptions with = options;
     with.method = method;
     const auto start = std::chrono::steady_clock::now();
     BakedColors baked = bake(scene, with);
     MethodTrial trial;
     trial.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    if (method == BakeMethod::sample) samples_are_clipped = is_clipped(scene, options.output, baked);
     if (method != BakeMethod::adaptive) take_stored_colors(scene, options.output, baked);
     const Mesh& mesh = mesh_of(scene, baked);
     trial.method = method;
@@ -111,23 +133,25 @@ Selection select_method(const Scene& scene, const BakeOptions& options) {
     const SurfaceError error = surface_error(scene, baked, options.tolerance_space);
     trial.rmse = error.rmse;
     trial.max_found = error.max_sampled;
-    trial.max_bound =
-        bound_in_output(scene, options.output, options.tolerance_space,
-                        certified_maximum(scene, baked, options.tolerance_space, error.max_sampled));
+    const double light_bound = certified_maximum(scene, baked, options.tolerance_space, error.max_sampled);
+    trial.max_bound = bound_in_output(scene, options.output, options.tolerance_space, light_bound);
     trial.is_certified = trial.max_bound <= options.tolerance;
     selection.trials.push_back(trial);
-    if (selection.trials.size() == 1 || is_better(trial, selection.trials[selection.chosen])) {
-      selection.chosen = selection.trials.size() - 1;
+    is_enough.push_back(can_certify         ? trial.is_certified
+                        : baked.certificate ? baked.certificate->open_triangles == 0
+                                            : light_bound <= options.tolerance);
+    if (is_enough.size() == 1 || is_better(is_enough.size() - 1, selection.chosen)) {
+      selection.chosen = is_enough.size() - 1;
       selection.is_certified = trial.is_certified;
       selection.baked = std::move(baked);
     }
     // What comes behind has as many vertices or more.
-    if (method == BakeMethod::sample && can_certify && trial.is_certified) break;
+    if (method == BakeMethod::sample && is_enough.back()) break;
   }
-  if (!can_certify)
+  if (!can_certify && !selection.baked.certificate)
     selection.baked.findings.insert(selection.baked.findings.end(), options.output.gaps.begin(),
                                     options.output.gaps.end());
-  selection.sentence = verdict(selection, options, scene.mesh.n_vertices());
+  selection.sentence = verdict(selection, options, scene.mesh.n_vertices(), samples_are_clipped);
   return selection;
 }
 

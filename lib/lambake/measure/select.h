@@ -33,8 +33,8 @@ struct Selection {
 /// Tries face, sample, least-squares and adaptive with the options given (tolerance, limits, output), and
 /// takes the certified one of fewest bytes, of those the first: they are tried from the cheapest on, and none
 /// behind `sample` where that is certified. Where none is certified, adaptive is taken. Where nothing can be
-/// certified of the output (its gaps, which become findings of the result), nothing is cut: of the other
-/// three the one with the least error found is taken.
+/// certified of the output (its gaps, which become findings of the result), it goes by the light alone: the
+/// cheapest whose bound is within the tolerance, otherwise the one with the least error found.
 Selection select_method(const Scene& scene, const BakeOptions& options);
 
 /// Bytes of a mesh in a GLB of one material without textures: positions and normals as float, colours of
