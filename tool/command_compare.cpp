@@ -128,11 +128,25 @@ Comparison describe(const CompareCommand& command, const std::string& command_li
   return comparison;
 }
 
+/// What most of the error on screen is, if not interpolation: found by comparing the colours as computed.
+std::string main_loss(const Scene& scene, const BakedColors& baked, const ColorOutput& output,
+                      const Comparison& comparison) {
+  const std::vector<bool> hidden = hidden_emission(scene, output);
+  const bool is_clipped = comparison.shares.clipping.value_or(0) > comparison.shares.interpolation,
+             is_hidden = std::find(hidden.begin(), hidden.end(), true) != hidden.end();
+  if (!is_clipped && !is_hidden) return {};
+  const double without = surface_error(scene, baked, ErrorSpace::display).rmse;
+  if (2 * without > comparison.surface_display.rmse) return {};
+  return is_hidden ? "light that materials emit and lit.glb cannot hold"
+                   : "light brighter than white, which vertex colours cannot hold";
+}
+
 /// The errors of the colours as `output` holds them; `baked` comes back as it was.
 void measure(const CompareCommand& command, const Scene& scene, const ColorOutput& output, BakedColors& baked,
              Console& console, Stopwatch& stopwatch, Comparison& comparison) {
   std::vector<LinearRgb> computed = baked.colors;
   take_stored_colors(scene, output, baked);
+  baked.hidden_emission = hidden_emission(scene, output);
   compare_views(command, scene, baked, console, comparison);
   stopwatch.lap("pictures");
   console.stage("surface error");
@@ -149,7 +163,9 @@ void measure(const CompareCommand& command, const Scene& scene, const ColorOutpu
   comparison.max_bound_display = bound_in(ErrorSpace::display, comparison.surface_display);
   stopwatch.lap("bound");
   baked.colors = std::move(computed);
+  baked.hidden_emission.clear();
   comparison.shares = error_shares(scene, baked, output, errors.computed_rmse);
+  comparison.main_loss = main_loss(scene, baked, output, comparison);
 }
 
 void write_pictures(const OutputFolder& folder, const Mesh& mesh, const Comparison& c) {

@@ -35,11 +35,11 @@ const nlohmann::ordered_json* find_number(const nlohmann::ordered_json& report, 
     const std::size_t end = std::min(path.find('.', begin), path.size());
     const std::string_view name = std::string_view(path).substr(begin, end - begin);
     std::size_t i = 0;
+    const char* const name_end = name.data() + name.size();
     if (value->is_object() && value->contains(name))
       value = &value->at(name);
-    else if (value->is_array() &&
-             std::from_chars(name.data(), name.data() + name.size(), i).ec == std::errc() &&
-             i < value->size())
+    else if (const auto number = std::from_chars(name.data(), name_end, i);
+             value->is_array() && number.ec == std::errc() && number.ptr == name_end && i < value->size())
       value = &value->at(i);
     else
       return nullptr;
@@ -63,6 +63,7 @@ bool is_error_on_screen(const std::string& metric) {
 /// A report with what only some have.
 nlohmann::ordered_json fullest_report() {
   Comparison all;
+  all.image_linear.pixels = all.image_display.pixels = 1;
   all.max_bound_linear = all.max_bound_display = 0;
   all.surface_display.worst.resize(1);
   all.light_shares.resize(1);
@@ -96,8 +97,6 @@ std::vector<Threshold> parse_thresholds(const std::vector<std::string>& texts) {
 int check_thresholds(const std::vector<Threshold>& thresholds, const nlohmann::ordered_json& report) {
   int exit_code = 0;
   for (const Threshold& threshold : thresholds) {
-    const auto* const value = find_number(report, threshold.metric);
-    if (value == nullptr) fail_without(threshold.metric);
     const bool is_of_picture = threshold.metric.starts_with("image.");
     if (is_of_picture && report["image"]["display"]["pixels"] == 0) {
       print_error(fmt::format("lambake: {} has no value, as the picture shows nothing of the model\n",
@@ -105,6 +104,8 @@ int check_thresholds(const std::vector<Threshold>& thresholds, const nlohmann::o
       exit_code = 1;
       continue;
     }
+    const auto* const value = find_number(report, threshold.metric);
+    if (value == nullptr) fail_without(threshold.metric);
     double found = value->is_null() ? INFINITY : value->get<double>();
     if (threshold.metric.ends_with(".mean")) found = std::abs(found);  // Too dark is as bad as too bright.
     if (!(found > threshold.value)) continue;

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "cli/models.h"
@@ -22,8 +23,9 @@ TEST(CommandLine, Compare_Thresholds_DecideTheExitCode) {
   for (const char* metric : {"surface.display.max_bound=0.001", "worst.0.error=0.001", "vertices=5"})
     EXPECT_EQ(run_tool(folder, compare + "--fail-above " + metric).exit_code, 1) << metric;
   EXPECT_EQ(run_tool(folder, compare + "--method face --fail-above mean=0.00001").exit_code, 1);
-  for (const char* metric : {"nonsense=1", "a~b=1", "worst.99999999999999999999.error=1", "surface=1",
-                             "image.display.=1", "max_at=1", "psnr_db=30", "image.linear.psnr_db=30"})
+  for (const char* metric :
+       {"nonsense=1", "a~b=1", "worst.99999999999999999999.error=1", "worst.0junk.error=1", "surface=1",
+        "image.display.=1", "max_at=1", "psnr_db=30", "image.linear.psnr_db=30"})
     EXPECT_EQ(run_tool(folder, compare + "--fail-above " + metric).exit_code, 2) << metric;
   // Shares that a certified mesh has not are not above anything.
   EXPECT_EQ(run_tool(folder, compare + "--method adaptive --fail-above error_shares.clipping=0.5").exit_code,
@@ -37,10 +39,52 @@ TEST(CommandLine, PictureThatShowsNothing_IsTold_AndHasNoErrorToPass) {
   const ToolResult compared = run_tool(folder, "compare" + away + "-o out --fail-above rmse=0.5");
   EXPECT_EQ(compared.exit_code, 1);
   EXPECT_NE(compared.err.find("shows nothing"), std::string::npos) << compared.err;
+  const auto report = nlohmann::json::parse(read_bytes(folder / "out/report.json"));
+  EXPECT_TRUE(report["image"]["display"]["rmse"].is_null());
+  EXPECT_TRUE(report["image"]["linear"]["max"].is_null());
   EXPECT_EQ(run_tool(folder, "compare" + away + "-o out --fail-above surface.display.max=1").exit_code, 2);
   EXPECT_EQ(
       run_tool(folder, "compare" + away + "-o out --fail-above surface.display.max_sampled=1").exit_code, 0);
   EXPECT_NE(run_tool(folder, "render" + away + "-o a.png").err.find("shows nothing"), std::string::npos);
+}
+
+std::string headline(const std::string& page) {
+  const std::size_t begin = page.find("<h1>") + 4;
+  return page.substr(begin, page.find("</h1>") - begin);
+}
+
+// Emission beside a texture has no place in an unlit GLB: what is compared is what it shows.
+TEST(CommandLine, Compare_EmissionThatTheGlbLoses_IsPartOfTheDifference) {
+  const ScratchFolder folder("lost_emission");
+  const std::string palm = LAMBAKE_SOURCE_DIR "/../shared/meshes/gltf/PalmTree/PalmTree.gltf";
+  for (const std::string method : {"sample", "auto"}) {
+    const ToolResult compared =
+        run_tool(folder, "compare " + palm + " -o c --size 64x64 --fail-above rmse=0.1 --method " + method);
+    EXPECT_EQ(compared.exit_code, 1) << compared.err;
+    ASSERT_EQ(run_tool(folder, "render c/lit.glb --shading vertex --size 64x64 -o again.png").exit_code, 0);
+    EXPECT_EQ(read_bytes(folder / "c/per_vertex.png"), read_bytes(folder / "again.png"));
+  }
+  run_tool(folder, "compare " + palm + " -o c --size 64x64");
+  const std::string told = headline(read_bytes(folder / "c/index.html"));
+  EXPECT_NE(told.find("most of it is light that materials emit"), std::string::npos) << told;
+}
+
+// Linear values above 1 that a screen shows as white on both sides are no difference on it.
+TEST(CommandLine, Compare_BlamesClipping_OnlyWhereItShows) {
+  const ScratchFolder folder("clipping");
+  std::ofstream(folder / "in.obj")
+      << "mtllib in.mtl\nv 1 0 0\nv -1 0 0\nv 0 1 0\nv 0 -1 0\nv 0 0 1\nv 0 0 -1\n"
+         "v 2 0 0\nv 5 0 0\nv 5 3 0\nv 2 3 0\nusemtl round\n"
+         "f 1 3 5\nf 3 2 5\nf 2 4 5\nf 4 1 5\nf 3 1 6\nf 2 3 6\nf 4 2 6\nf 1 4 6\n"
+         "usemtl flat\nf 7 8 9 10\n";
+  for (const bool is_dark : {true, false}) {
+    std::ofstream(folder / "in.mtl") << "newmtl flat\nKd 1 1 1\nnewmtl round\nKd "
+                                     << (is_dark ? "0.2 0.2 0.2" : "1 1 1") << "\n";
+    run_tool(folder, "compare in.obj -o c --size 64x64 --sun 0,0,1,8,8,8");
+    const std::string told = headline(read_bytes(folder / "c/index.html"));
+    EXPECT_NE(told.find("is visible"), std::string::npos) << told;
+    EXPECT_EQ(told.find("brighter than white") != std::string::npos, !is_dark) << told;
+  }
 }
 
 TEST(CommandLine, Thresholds_TakeQuotients_ButNoStepsOf255) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "lambake/core/error.h"
 #include "lambake/core/parallel.h"
 #include "lambake/measure/bound.h"
 #include "lambake/shading/lambert.h"
@@ -188,6 +189,21 @@ TEST(SurfaceError, ConstantOffset_IsThatOffset) {
   EXPECT_NEAR(error.mae, 0.5, 1e-7);
   EXPECT_NEAR(error.mean, 0.5, 1e-7);
   EXPECT_NEAR(error.max_sampled, 0.5, 1e-7);
+}
+
+TEST(SurfaceErrors, EmissionThatDoesNotShow_IsMissing) {
+  Scene scene = scene_of(grid(3, 1), {sun({0, 1, 0}, {0.25f, 0.25f, 0.25f})});
+  scene.materials[0].emission = {0.5f, 0.5f, 0.5f};
+  BakedColors baked = bake(scene, {});
+  EXPECT_EQ(surface_errors(scene, baked, baked.colors).linear.rmse, 0);
+  baked.hidden_emission = {true};
+  const SurfaceErrors errors = surface_errors(scene, baked, baked.colors);
+  EXPECT_NEAR(errors.linear.rmse, 0.5, 1e-7);
+  EXPECT_NEAR(errors.linear.mean, -0.5, 1e-7);
+  EXPECT_NEAR(errors.display.max_sampled, srgb_encode(0.75) - srgb_encode(0.25), 1e-7);
+  EXPECT_EQ(errors.computed_rmse, 0);
+  baked.hidden_emission = {true, false};
+  EXPECT_THROW(surface_error(scene, baked, ErrorSpace::linear), InvalidScene);
 }
 
 // The lamp over the middle of a square of half side a at height h: the light there is 1/h², at the corners

@@ -43,6 +43,9 @@ struct BakedColors {
   /// V' linear colours, unclamped: vertex base colour ⊗ E(p, n). Multiplied by the material's base colour and
   /// texture, plus emission, they are P at the vertex. Unlit materials have their vertex base colour here.
   std::vector<LinearRgb> colors;
+  /// By material, whether its emission does not show with them; empty: all does. For comparing what an output
+  /// shows (hidden_emission()): baking leaves it empty.
+  std::vector<bool> hidden_emission;
   /// Where the method cut the scene's mesh: new vertex V + i is cuts[i]. Otherwise empty.
   std::vector<EdgeCut> cuts;
   /// F' indices of the scene's triangle that each triangle of `mesh` lies in; empty: the identity.

@@ -31,6 +31,13 @@ ColorRange stored_range(const ColorOutput& output, const Material& material) {
   return {as_stored(output, {-far, -far, -far}, material), as_stored(output, {far, far, far}, material)};
 }
 
+std::vector<bool> hidden_emission(const Scene& scene, const ColorOutput& output) {
+  std::vector<bool> hidden;
+  if (!output.hides_emission) return hidden;
+  for (const Material& material : scene.materials) hidden.push_back(output.hides_emission(material));
+  return hidden;
+}
+
 void take_stored_colors(const Scene& scene, const ColorOutput& output, BakedColors& baked) {
   if (!output.shown) return;
   const std::vector<std::uint32_t> materials = vertex_materials(mesh_of(scene, baked));

@@ -19,6 +19,8 @@ struct ColorOutput {
   /// emission, as far as it is not clipped or rounded. Light that cannot be written at all (see `gaps`) is in
   /// it. Empty: exactly that.
   std::function<glm::dvec3(const LinearRgb& color, const Material& material)> shown{};
+  /// Whether a material's emission cannot be written. Empty: all can.
+  std::function<bool(const Material& material)> hides_emission{};
   /// Why nothing can be certified of what the output shows, whatever the colours are; none if it can.
   Findings gaps{};
 };
@@ -32,6 +34,10 @@ struct ColorRange {
   LinearRgb low, high;
 };
 ColorRange stored_range(const ColorOutput& output, const Material& material);
+
+/// For each of the scene's materials whether its emission cannot be written; empty if all can. For
+/// BakedColors::hidden_emission.
+std::vector<bool> hidden_emission(const Scene& scene, const ColorOutput& output);
 
 /// Makes the colours what the output shows of them.
 void take_stored_colors(const Scene& scene, const ColorOutput& output, BakedColors& baked);

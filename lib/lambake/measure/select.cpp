@@ -34,16 +34,16 @@ bool is_clipped(const Scene& scene, const ColorOutput& output, const BakedColors
   return false;
 }
 
-/// @param is_clipped  Whether the sampled colours are.
+/// @param is_enough   Whether the chosen one's light is certified. @param is_clipped  Whether the sampled
+/// colours are.
 std::string verdict(const Selection& selection, const BakeOptions& options, std::size_t n_vertices,
-                    bool is_clipped) {
+                    bool is_enough, bool is_clipped) {
   const MethodTrial& best = selection.trials[selection.chosen];
   const std::string count = group_digits(best.n_vertices), asked = steps(options.tolerance);
   if (!options.output.gaps.empty()) {
     const Finding& gap = options.output.gaps.front();
-    const bool is_enough = best.max_found <= options.tolerance;
     return fmt::format("nothing can be certified: {} {}; {} comes nearest, its light is {} {} off", gap.count,
-                       gap.text, name_of(best.method), is_enough ? "less than" : "up to",
+                       gap.text, name_of(best.method), is_enough ? "at most" : "up to",
                        is_enough ? asked : steps(best.max_found));
   }
   if (selection.is_certified)
@@ -151,7 +151,8 @@ Selection select_method(const Scene& scene, const BakeOptions& options) {
   if (!can_certify && !selection.baked.certificate)
     selection.baked.findings.insert(selection.baked.findings.end(), options.output.gaps.begin(),
                                     options.output.gaps.end());
-  selection.sentence = verdict(selection, options, scene.mesh.n_vertices(), samples_are_clipped);
+  selection.sentence =
+      verdict(selection, options, scene.mesh.n_vertices(), is_enough[selection.chosen], samples_are_clipped);
   return selection;
 }
 

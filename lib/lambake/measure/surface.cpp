@@ -26,6 +26,7 @@ ComparedSurface::ComparedSurface(const Scene& scene, const BakedColors& baked)
     : scene_(scene),
       mesh_(mesh_of(scene, baked)),
       colors_(baked.colors),
+      hidden_emission_(baked.hidden_emission),
       parents_(baked.parent_triangles),
       finishes_(scene),
       n_uncut_(mesh_.n_vertices() - std::min(baked.cuts.size(), mesh_.n_vertices())) {
@@ -35,6 +36,7 @@ ComparedSurface::ComparedSurface(const Scene& scene, const BakedColors& baked)
   };
   check_colors(scene, baked, "measure");
   check("vertex normals", mesh_.normals.size(), mesh_.n_vertices());
+  if (!hidden_emission_.empty()) check("hidden emissions", hidden_emission_.size(), scene.materials.size());
   if (!baked.cuts.empty()) {
     check("vertices before the cuts", n_uncut_, scene.mesh.n_vertices());
   }

@@ -28,6 +28,10 @@ class ComparedSurface {
   }
   FinishRange finish_range(std::size_t triangle) const { return finishes_.over(mesh_, triangle); }
   bool has_texture(std::size_t triangle) const { return finishes_.has_texture(mesh_, triangle); }
+  /// Whether the emission of the triangle's material does not show with the baked colours.
+  bool hides_emission(std::size_t triangle) const {
+    return !hidden_emission_.empty() && hidden_emission_[mesh_.material_of(triangle)];
+  }
   const Mesh& mesh() const { return mesh_; }
   const Scene& scene() const { return scene_; }
 
@@ -35,6 +39,7 @@ class ComparedSurface {
   const Scene& scene_;
   const Mesh& mesh_;
   const std::vector<LinearRgb>& colors_;
+  const std::vector<bool>& hidden_emission_;
   const std::vector<std::uint32_t>& parents_;
   Finishes finishes_;
   std::size_t n_uncut_;                                                ///< Vertices before the cuts.

@@ -206,7 +206,7 @@ void summarise(const ComparedSurface& surface, std::span<const ErrorMeasure> mea
 
 SurfaceError surface_error(const Scene& scene, const BakedColors& baked, ErrorSpace space) {
   const ComparedSurface surface(scene, baked);
-  const std::array<ErrorMeasure, 1> measures = {{{baked.colors, space}}};
+  const std::array<ErrorMeasure, 1> measures = {{{baked.colors, space, true}}};
   SurfaceError result;
   const Integrals integrals = integrate_surface(surface, measures, std::array{&result.triangle_worst});
   summarise(surface, measures, 0, integrals, result);
@@ -219,10 +219,11 @@ SurfaceErrors surface_errors(const Scene& scene, const BakedColors& baked,
   if (computed.size() != baked.colors.size())
     throw InvalidScene(fmt::format("measure: computed colours: expected {}, found {}", baked.colors.size(),
                                    computed.size()));
-  const std::array<ErrorMeasure, 3> all = {{{baked.colors, ErrorSpace::linear},
-                                            {baked.colors, ErrorSpace::display},
-                                            {computed, ErrorSpace::linear}}};
-  const std::span<const ErrorMeasure> measures = std::span(all).first(computed == baked.colors ? 2 : 3);
+  const std::array<ErrorMeasure, 3> all = {{{baked.colors, ErrorSpace::linear, true},
+                                            {baked.colors, ErrorSpace::display, true},
+                                            {computed, ErrorSpace::linear, false}}};
+  const std::span<const ErrorMeasure> measures =
+      std::span(all).first(computed == baked.colors && baked.hidden_emission.empty() ? 2 : 3);
   SurfaceErrors result;
   const Integrals integrals = integrate_surface(
       surface, measures, std::array{&result.linear.triangle_worst, &result.display.triangle_worst});

@@ -42,8 +42,8 @@ struct SurfaceErrors {
   double computed_rmse = 0;  ///< Linear, of the colours as computed.
 };
 
-/// The same in both spaces, and the RMSE of the colours before they were stored, from one integration: per
-/// place one evaluation of F. Parts are as fine as each of the three needs.
+/// The same in both spaces, and the RMSE of the colours before they were stored, with all emission, from one
+/// integration: per place one evaluation of F. Parts are as fine as each of the three needs.
 /// @param baked     with the colours as stored.
 /// @param computed  V' colours.
 /// @throws InvalidScene if there are not as many as stored ones.

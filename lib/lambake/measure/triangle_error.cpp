@@ -15,6 +15,7 @@ TriangleError::TriangleError(const ComparedSurface& surface, std::size_t triangl
       measures_(measures),
       patch_(surface.patch(triangle)),
       has_texture_(surface.has_texture(triangle)),
+      hides_emission_(surface.hides_emission(triangle)),
       finish_(surface.finish_at(triangle, glm::dvec3(1.0 / 3))) {
   if (!finish_.is_unlit) find_reaching_lights(surface.scene().lights, patch_, lights_);
   for (std::size_t m = 0; m < measures.size(); ++m)
@@ -29,9 +30,12 @@ PerMeasure<glm::dvec3> TriangleError::operator()(const glm::dvec3& b) const {
   for (std::size_t m = 0; m < measures_.size(); ++m) {
     const glm::dvec3 g = colors_[m] * b;
     const ErrorSpace space = measures_[m].space;
-    errors[m] = space == ErrorSpace::linear ? finish.base * (g - f)
-                                            : compared(finish.emission + finish.base * g, space) -
-                                                  compared(finish.emission + finish.base * f, space);
+    const bool is_hidden = hides_emission_ && measures_[m].hides_emission;
+    if (space == ErrorSpace::linear)
+      errors[m] = finish.base * (g - f) - (is_hidden ? finish.emission : glm::dvec3(0));
+    else
+      errors[m] = compared((is_hidden ? glm::dvec3(0) : finish.emission) + finish.base * g, space) -
+                  compared(finish.emission + finish.base * f, space);
   }
   return errors;
 }

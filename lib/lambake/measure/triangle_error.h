@@ -49,6 +49,7 @@ struct ErrorSums {
 struct ErrorMeasure {
   const std::vector<LinearRgb>& colors;
   ErrorSpace space;
+  bool hides_emission;  ///< Where the baked colours do.
 };
 
 /// One value for each of the measures of a pass.
@@ -78,7 +79,7 @@ class TriangleError {
   std::span<const ErrorMeasure> measures_;
   Patch patch_;
   PerMeasure<glm::dmat3> colors_;  ///< Column i at corner i.
-  bool has_texture_;
+  bool has_texture_, hides_emission_;
   Finish finish_;
   std::vector<std::uint32_t> lights_;
 };

@@ -43,15 +43,17 @@ LinearRgb sampled(const Scene& scene, const Mesh& mesh, const PlaceBlock& places
 }
 
 /// Vertex part (vertex colour ⊗ light) times the material's base colour and texture, plus its emission. Both
-/// shadings end here, so that they differ in the vertex part alone.
+/// shadings end here, so that they differ in the vertex part, and in emission that is hidden, alone.
 LinearRgb outgoing(const Scene& scene, const Mesh& mesh, const PlaceBlock& places, std::size_t i,
-                   const LinearRgb& vertex_part) {
-  const Material& material = scene.materials[mesh.material_of(places.triangles[i])];
+                   const LinearRgb& vertex_part, const std::vector<bool>& hidden_emission) {
+  const std::uint32_t index = mesh.material_of(places.triangles[i]);
+  const Material& material = scene.materials[index];
   LinearRgb albedo = material.base_color;
   if (material.base_color_texture != no_texture)
     albedo = albedo * sampled(scene, mesh, places, i, material.base_color_texture);
   const LinearRgb reflected = albedo * vertex_part;
   if (material.is_unlit || material.emission == LinearRgb{}) return reflected;
+  if (!hidden_emission.empty() && hidden_emission[index]) return reflected;
   LinearRgb emission = material.emission;
   if (material.emission_texture != no_texture)
     emission = emission * sampled(scene, mesh, places, i, material.emission_texture);
@@ -82,8 +84,8 @@ struct PixelRange {
 };
 
 /// Colours the pixels of a range: brings covered ones through outgoing(). `find_vertex_parts(block)` sets
-/// block.vertex_parts; `place(pixel)` gives where the colours of the group from that pixel on go, and how
-/// many are wanted.
+/// block.vertex_parts and has hidden_emission(); `place(pixel)` gives where the colours of the group from
+/// that pixel on go, and how many are wanted.
 template <typename FindVertexParts, typename Place>
 void shade_range(const Scene& scene, const Mesh& mesh, const PixelRange& range,
                  const FindVertexParts& find_vertex_parts, const Place& place) {
@@ -100,7 +102,8 @@ void shade_range(const Scene& scene, const Mesh& mesh, const PixelRange& range,
     find_vertex_parts(block);
     if (needs_places) {
       for (std::size_t i = 0; i < places.n_places(); ++i)
-        block.vertex_parts[i] = outgoing(scene, mesh, places, i, block.vertex_parts[i]);
+        block.vertex_parts[i] =
+            outgoing(scene, mesh, places, i, block.vertex_parts[i], find_vertex_parts.hidden_emission());
     } else if (first_material.base_color != LinearRgb{1, 1, 1}) {
       for (std::size_t i = 0; i < places.n_places(); ++i)
         block.vertex_parts[i] = first_material.base_color * block.vertex_parts[i];
@@ -206,8 +209,11 @@ class FragmentLight {
     }
   }
 
+  const std::vector<bool>& hidden_emission() const { return none_hidden_; }
+
  private:
   const Scene& scene_;
+  const std::vector<bool> none_hidden_{};
   const LocalFrame local_;
   PackedLights lights_;
   bool has_unlit_ = false;
@@ -217,6 +223,7 @@ class FragmentLight {
 struct VertexLight {
   const BakedColors& baked;
   void operator()(ShadingBlock& block) const { interpolate(baked.colors, block.places, block.vertex_parts); }
+  const std::vector<bool>& hidden_emission() const { return baked.hidden_emission; }
 };
 
 }  // namespace

@@ -17,7 +17,8 @@ inline constexpr LinearRgb background{0.0f, 0.0f, 0.0f};
 /// @throws InvalidScene if that has no normals.
 Picture shade_per_fragment(const Scene& scene, const Visibility& visibility);
 
-/// Gouraud: baked colours interpolated, times the material's base colour and texture, plus its emission.
+/// Gouraud: baked colours interpolated, times the material's base colour and texture, plus its emission if
+/// that is not hidden.
 /// `visibility` is of mesh_of(scene, baked).
 /// @throws InvalidScene if that has not as many vertices as `baked` has colours.
 Picture shade_per_vertex(const Scene& scene, const BakedColors& baked, const Visibility& visibility);

@@ -34,6 +34,8 @@ struct Comparison {
   /// where it was not asked for.
   std::optional<double> max_bound_linear, max_bound_display;
   ErrorShares shares;  ///< What interpolation, clipping and quantisation make of it.
+  /// What most of the error on screen is, as "light brighter than white, …"; empty: light between vertices.
+  std::string main_loss;
   ErrorSpace tolerance_space = ErrorSpace::display;  ///< Of `trials`.
   std::vector<MethodTrial> trials;   ///< What the methods would cost and leave; none where one was asked for.
   std::string verdict;               ///< One sentence; empty: the page makes one from the numbers.

@@ -10,14 +10,15 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Json image_json(const ImageError& e) {
-  return {{"rmse", e.rmse},
-          {"mae", e.mae},
-          {"mean", e.mean},
-          {"max", e.max},
+  const auto of_pixels = [&](double value) { return e.pixels > 0 ? value : NAN; };
+  return {{"rmse", of_pixels(e.rmse)},
+          {"mae", of_pixels(e.mae)},
+          {"mean", of_pixels(e.mean)},
+          {"max", of_pixels(e.max)},
           {"max_pixel", {e.max_x, e.max_y}},
           {"max_view", e.max_view},
-          {"psnr_db", e.psnr_db},
-          {"p99", e.p99},
+          {"psnr_db", of_pixels(e.psnr_db)},
+          {"p99", of_pixels(e.p99)},
           {"pixels", e.pixels},
           {"pixels_over_1_255", e.pixels_over_1_255},
           {"nonfinite_samples", e.nonfinite}};

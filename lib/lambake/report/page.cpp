@@ -53,12 +53,11 @@ std::string verdict(const Comparison& c) {
         "Seen from here per-vertex lighting is enough; elsewhere on the surface it differs from "
         "per-pixel lighting by up to {}.",
         steps_of_255(largest));
-  const bool is_clipped = c.shares.clipping.value_or(0) > c.shares.interpolation;
   return fmt::format(
       "The difference is visible: {} of the pixels lit per vertex are more than 1/255 away from per-pixel "
-      "lighting, the worst place by {}{}.",
-      percent(share_over_1_255(image)), steps_of_255(largest),
-      is_clipped ? "; most of it is light brighter than white, which vertex colours cannot hold" : "");
+      "lighting, the worst place {}by {}{}{}.",
+      percent(share_over_1_255(image)), c.surface_display.max_sampled > image.max ? "on the surface " : "",
+      steps_of_255(largest), c.main_loss.empty() ? "" : "; most of it is ", c.main_loss);
 }
 
 /// The few numbers that people ask for first.
@@ -68,8 +67,10 @@ std::string tiles(const Comparison& c) {
     html += fmt::format("<div><dt>{}</dt><dd>{}</dd></div>\n", meaning, value);
   };
   const ImageError& image = c.image_display;
-  if (image.pixels > 0) add(percent(share_over_1_255(image)), "of the pixels off by more than 1/255");
-  add(steps_of_255(image.rmse), "typical difference in the picture (RMSE)");
+  if (image.pixels > 0) {
+    add(percent(share_over_1_255(image)), "of the pixels off by more than 1/255");
+    add(steps_of_255(image.rmse), "typical difference in the picture (RMSE)");
+  }
   add(steps_of_255(c.surface_display.max_sampled), "largest found on the surface");
   if (c.max_bound_display)
     add(bound_of_255(*c.max_bound_display), "largest possible anywhere, certified");

@@ -337,9 +337,11 @@ ColorOutput gltf_asset_output(const GltfAsset& asset, const Scene& scene, const 
     const bool is_folded = !(fold.shift == LinearRgb{0, 0, 0});
     return is_folded ? shown : shown + to_double(material.emission);
   };
-  const std::size_t n_unwritten = count_used_materials(scene, [&](std::size_t m) {
-    return needs_emission(scene.materials[m], options) && !can_write_emission(scene.materials[m]);
-  });
+  output.hides_emission = [options](const Material& material) {
+    return needs_emission(material, options) && !can_write_emission(material);
+  };
+  const std::size_t n_unwritten =
+      count_used_materials(scene, [&](std::size_t m) { return output.hides_emission(scene.materials[m]); });
   std::size_t n_multiplied = 0;
   for (const PlacedPrimitive& placed : asset.placed)
     n_multiplied += !replaces_color(options) && is_lit(placed, scene) && has_color(asset, placed);

@@ -347,9 +347,11 @@ ColorOutput new_gltf_output(const Scene& scene, const GltfWriteOptions& options)
     const LinearRgb unwritten = can_write_emission(material) ? LinearRgb{} : emission_of(material);
     return to_double(shown) + to_double(unwritten);
   };
-  const std::size_t n_unwritten = count_used_materials(scene, [&](std::size_t m) {
-    return has_emission(scene.materials[m]) && !can_write_emission(scene.materials[m]);
-  });
+  output.hides_emission = [](const Material& material) {
+    return has_emission(material) && !can_write_emission(material);
+  };
+  const std::size_t n_unwritten =
+      count_used_materials(scene, [&](std::size_t m) { return output.hides_emission(scene.materials[m]); });
   add_finding(output.gaps, "certificate_not_of_file", n_unwritten,
               "material[ emits|s emit] light that vertex colours cannot hold beside a texture, so that the "
               "file shows less");
