@@ -131,8 +131,9 @@ void add_bake_options(CLI::App& command, BakeMethodOptions& options) {
       ->check(at_least_zero());
   command
       .add_option("--gradient-weight", options.gradient_weight,
-                  "least-squares: how much jumps of the colour's slope count against the error")
+                  "least-squares, auto: how much jumps of the colour's slope count against the error")
       ->check(at_least_zero())
+      ->check(CLI::Range(0.0, 100.0))
       ->capture_default_str();
   command.add_option("--levels", options.levels, "uniform: how often each triangle is quartered")
       ->check(CLI::Range(0, 15))

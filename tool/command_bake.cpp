@@ -44,7 +44,7 @@ int bake_and_write(const BakeCommand& command) {
   }
   check_distinct(command.outputs);
   const BakeOptions how = bake_options(command.method, console);
-  LoadedScene loaded = load_scene(command.scene, console, stopwatch, command.method.method == "face");
+  LoadedScene loaded = load_scene(command.scene, console, stopwatch, Up::y, command.method.method == "face");
   for (const std::string& path : command.outputs) {
     check_keeps_referred(loaded.file, path, path);
     check_levels(command.method, path, loaded.file);
@@ -84,6 +84,8 @@ int bake_and_write(const BakeCommand& command) {
       return std::any_of(baked.findings.begin(), baked.findings.end(),
                          [&](const Finding& told) { return told.count == f.count && told.text == f.text; });
     });
+    if (command.outputs.size() > 1)
+      for (Finding& finding : news) finding.text += fmt::format(" ({})", path);
     console.tell(news);
     json["outputs"].push_back({{"path", path},
                                {"bytes", baked_bytes(path)},

@@ -31,11 +31,11 @@ int chart_and_write(const ChartCommand& command, const std::string& command_line
   Console console(command.scene.quiet);
   Stopwatch stopwatch;
   check_output_folder(command.folder);
-  check_page_is_ours(command.folder);
+  check_page_is_ours(command.folder, "chart");
   for (const char* name : output_names)
     check_keeps_input(command.scene, std::filesystem::path(command.folder) / name, command.folder);
   check_camera_options(command.camera);
-  const LoadedScene loaded = load_scene(command.scene, console, stopwatch);
+  const LoadedScene loaded = load_scene(command.scene, console, stopwatch, up_of(command.camera));
   console.stage("measuring");
   ChartRun run =
       run_chart(loaded.file.scene,

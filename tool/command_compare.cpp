@@ -91,7 +91,7 @@ constexpr const char* output_names[] = {
 /// What would fail only once the work is done.
 void check_outputs(const CompareCommand& command) {
   check_output_folder(command.folder);
-  check_page_is_ours(command.folder);
+  check_page_is_ours(command.folder, "compare");
   for (const char* name : output_names)
     check_keeps_input(command.scene, std::filesystem::path(command.folder) / name, command.folder);
   check_camera_options(command.camera);
@@ -182,22 +182,32 @@ void write_pictures(const OutputFolder& folder, const Mesh& mesh, const Comparis
   write_surface_error(folder.file("surface_error.ply"), mesh, c.surface_display, scale);
 }
 
-/// The lit meshes; what is noticed of both is told once.
+/// The lit meshes; what is noticed of both is told once, what is of one with its name.
 void write_meshes(const OutputFolder& folder, const CompareCommand& command, const SceneFile& file,
                   const BakedColors& baked, Console& console, Comparison& comparison) {
   const OutputOptions ply_output = {.color = command.output.color == "u16" ? "" : command.output.color};
-  for (const auto& [name, options] : {std::pair{"lit.glb", command.output}, {"lit.ply", ply_output}}) {
-    const WrittenColors written = write_baked(folder.file(name), file, baked, options);
-    for (const Finding& finding : written.findings) {
-      const auto is_same = [&](const Finding& f) {
-        return f.count == finding.count && f.text == finding.text;
-      };
-      if (std::any_of(comparison.findings.begin(), comparison.findings.end(), is_same)) continue;
-      console.tell({finding});
-      comparison.findings.push_back(finding);
-    }
+  const std::pair<const char*, const OutputOptions&> outputs[] = {{"lit.glb", command.output},
+                                                                  {"lit.ply", ply_output}};
+  Findings findings[2];
+  for (int i = 0; i < 2; ++i) {
+    WrittenColors written = write_baked(folder.file(outputs[i].first), file, baked, outputs[i].second);
+    findings[i] = std::move(written.findings);
     comparison.clipped_vertices = std::max(comparison.clipped_vertices, written.clipped_vertices);
   }
+  const auto has = [](const Findings& all, const Finding& one) {
+    return std::any_of(all.begin(), all.end(),
+                       [&](const Finding& f) { return f.count == one.count && f.text == one.text; });
+  };
+  Findings news;
+  for (int i = 0; i < 2; ++i)
+    for (Finding finding : findings[i]) {
+      const bool is_of_both = has(findings[1 - i], finding);
+      if (has(comparison.findings, finding) || (i > 0 && is_of_both)) continue;
+      if (!is_of_both) finding.text += fmt::format(" ({})", outputs[i].first);
+      news.push_back(finding);
+    }
+  console.tell(news);
+  comparison.findings.insert(comparison.findings.end(), news.begin(), news.end());
 }
 
 void print_summary(const Comparison& comparison) {
@@ -220,7 +230,7 @@ int compare_and_write(const CompareCommand& command, const std::string& command_
   check_outputs(command);
   const BakeOptions how = bake_options(command.method, console);
 
-  LoadedScene loaded = load_scene(command.scene, console, stopwatch);
+  LoadedScene loaded = load_scene(command.scene, console, stopwatch, up_of(command.camera));
   for (const char* name : output_names)
     check_keeps_referred(loaded.file, std::filesystem::path(command.folder) / name, command.folder);
   tell_drawn_opaque(loaded, console);

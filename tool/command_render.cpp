@@ -57,7 +57,8 @@ int render_and_write(const RenderCommand& command) {
     check_keeps_input(command.scene, path, path);
   }
   check_distinct(command.outputs);
-  LoadedScene loaded = load_scene(command.scene, console, stopwatch, command.shading == "face");
+  LoadedScene loaded =
+      load_scene(command.scene, console, stopwatch, up_of(command.camera), command.shading == "face");
   for (const std::string& path : command.outputs) check_keeps_referred(loaded.file, path, path);
   tell_drawn_opaque(loaded, console);
   const Scene& scene = loaded.file.scene;
@@ -71,6 +72,8 @@ int render_and_write(const RenderCommand& command) {
     const BakedColors baked =
         bake(scene, bake_options({.method = command.shading == "face" ? "face" : "sample"}, console));
     stopwatch.lap("bake");
+    console.tell(baked.findings);
+    loaded.file.findings.insert(loaded.file.findings.end(), baked.findings.begin(), baked.findings.end());
     n_covered = render_per_vertex(scene, baked, camera, size.x, size.y, picture);
   }
   stopwatch.lap("render");

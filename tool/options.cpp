@@ -75,15 +75,18 @@ Light parse_lamp(const std::string& text) {
 }
 
 /// @param notes  takes what people should know: a default taken.
-void add_lights(const SceneOptions& options, std::vector<Light>& lights, std::vector<std::string>& notes) {
+void add_lights(const SceneOptions& options, Up up, std::vector<Light>& lights,
+                std::vector<std::string>& notes) {
   if (!options.lights_file.empty())
     for (const Light& light : read_light_file(options.lights_file)) lights.push_back(light);
   for (const std::string& sun : options.suns) lights.push_back(parse_sun(sun));
   for (const std::string& lamp : options.lamps) lights.push_back(parse_lamp(lamp));
   const bool was_asked = !options.lights_file.empty() || options.no_file_lights;
   if (lights.empty() && !was_asked) {
-    lights.push_back(parse_sun("0.4,1,0.3"));
-    notes.push_back("no light given: one white sun from 0.4,1,0.3 (choose with --sun, --lamp or --lights)");
+    const char* const from = up == Up::z ? "0.4,-0.3,1" : "0.4,1,0.3";
+    lights.push_back(parse_sun(from));
+    notes.push_back(
+        fmt::format("no light given: one white sun from {} (choose with --sun, --lamp or --lights)", from));
   }
   if (lights.empty()) notes.push_back("no light at all: only emission and unlit materials show");
   std::map<std::string, std::size_t> counts;
@@ -96,13 +99,17 @@ void add_lights(const SceneOptions& options, std::vector<Light>& lights, std::ve
   }
 }
 
-void apply_albedo(const std::string& text, SceneFile& file) {
-  if (text.empty()) return;
+LinearRgb parse_albedo(const std::string& text) {
   const std::vector<float> n = parse_numbers("--albedo", text, 3, 3);
   for (const float channel : n)
     if (channel < 0 || channel > 1)
       throw InvalidOption(fmt::format("--albedo: expected three numbers in [0,1], found \"{}\"", text));
-  const LinearRgb albedo{n[0], n[1], n[2]};
+  return {n[0], n[1], n[2]};
+}
+
+void apply_albedo(const std::string& text, SceneFile& file) {
+  if (text.empty()) return;
+  const LinearRgb albedo = parse_albedo(text);
   if (file.asset == nullptr) {
     for (Material& material : file.scene.materials) material.base_color = material.base_color * albedo;
     return;
@@ -139,9 +146,23 @@ void fold_base_colors(SceneFile& file) {
     if (folds(material)) material.base_color = {1, 1, 1};
 }
 
+/// What is wrong whatever the file. @throws InvalidOption.
+void check_scene_options(const SceneOptions& options) {
+  for (const std::string& sun : options.suns) parse_sun(sun);
+  for (const std::string& lamp : options.lamps) parse_lamp(lamp);
+  if (!options.albedo.empty()) parse_albedo(options.albedo);
+  if (!std::isfinite(options.exposure_stops) || std::abs(options.exposure_stops) > 64)
+    throw InvalidOption(
+        fmt::format("--exposure: expected stops in [-64, 64], found {}", options.exposure_stops));
+  const float degrees = options.crease_angle_deg.value_or(0);
+  if (!(degrees >= 0 && degrees <= 180))
+    throw InvalidOption(fmt::format("--crease-angle-deg: expected degrees in [0, 180], found {}", degrees));
+  if (options.normals == "file" && options.crease_angle_deg)
+    throw InvalidOption(
+        "--crease-angle-deg: expected no --normals file with it, as creases make new normals");
+}
+
 void apply_exposure(float stops, Scene& scene) {
-  if (!std::isfinite(stops) || std::abs(stops) > 64)
-    throw InvalidOption(fmt::format("--exposure: expected stops in [-64, 64], found {}", stops));
   const float scale = std::exp2(stops);
   bool is_held = true;
   const auto expose = [&](LinearRgb& color) {
@@ -162,17 +183,12 @@ void make_normals(const SceneOptions& options, bool is_flat, LoadedScene& loaded
   if (method == "auto") method = mesh.normals.empty() || options.crease_angle_deg ? "angle" : "file";
   if (method == "file") {
     if (mesh.normals.empty()) throw InvalidOption("--normals file: the file has no normals");
-    if (options.crease_angle_deg)
-      throw InvalidOption(
-          "--crease-angle-deg: expected no --normals file with it, as creases make new normals");
     loaded.normals = "file";
     return;
   }
   loaded.normals = method;
   if (options.crease_angle_deg) {
     const float degrees = *options.crease_angle_deg;
-    if (!(degrees >= 0 && degrees <= 180))
-      throw InvalidOption(fmt::format("--crease-angle-deg: expected degrees in [0, 180], found {}", degrees));
     const std::size_t n_added = split_creases(mesh, degrees * rad_per_deg);
     loaded.normals += fmt::format(", creases at {} degrees", degrees);
     add_finding(findings, "crease_vertices", n_added,
@@ -270,16 +286,19 @@ void check_keeps_referred(const SceneFile& file, const std::filesystem::path& pa
       throw InvalidOption(fmt::format("-o {}: would replace {}, which the input needs", output, referred));
 }
 
-void check_page_is_ours(const std::string& folder) {
+void check_page_is_ours(const std::string& folder, const std::string& command) {
   const std::filesystem::path path = std::filesystem::path(folder) / "index.html";
   std::error_code ignored;  // Of a page that is not there.
   if (!std::filesystem::exists(path, ignored)) return;
   std::string head(4096, '\0');
   if (std::filesystem::is_regular_file(path, ignored))
     std::ifstream(path, std::ios::binary).read(head.data(), static_cast<std::streamsize>(head.size()));
-  if (head.find("<meta name=\"generator\" content=\"lambake\">") == std::string::npos)
+  if (head.find(fmt::format("<meta name=\"generator\" content=\"lambake {}\">", command)) ==
+      std::string::npos)
     throw IoError(path.string(),
-                  "expected a page of lambake to replace, found another; choose a folder for the output");
+                  fmt::format("expected a page of lambake {} to replace, found another; choose a "
+                              "folder for the output",
+                              command));
 }
 
 CLI::Validator at_least_zero() {
@@ -327,7 +346,9 @@ void add_camera_options(CLI::App& command, CameraOptions& options) {
   command.add_option("--size", options.size, "picture size WIDTHxHEIGHT")->capture_default_str();
 }
 
-LoadedScene load_scene(const SceneOptions& options, Console& console, Stopwatch& stopwatch, bool is_flat) {
+LoadedScene load_scene(const SceneOptions& options, Console& console, Stopwatch& stopwatch, Up up,
+                       bool is_flat) {
+  check_scene_options(options);
   set_thread_count(options.threads);
   LoadedScene loaded;
   std::vector<std::string> notes;  // Told once nothing can fail any more.
@@ -337,7 +358,7 @@ LoadedScene load_scene(const SceneOptions& options, Console& console, Stopwatch&
   if (!options.gltf_scene.empty() && loaded.file.asset == nullptr)
     notes.push_back(fmt::format("--scene says nothing to {}; it is for glTF", loaded.file.format));
   console.stage("normals");
-  add_lights(options, loaded.file.scene.lights, notes);
+  add_lights(options, up, loaded.file.scene.lights, notes);
   apply_albedo(options.albedo, loaded.file);
   fold_base_colors(loaded.file);
   apply_exposure(options.exposure_stops, loaded.file.scene);

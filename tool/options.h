@@ -54,8 +54,9 @@ struct LoadedScene {
 };
 
 /// Laps "read" and "normals" on the stopwatch; notes and findings are told on the console.
+/// @param up       the sun that is taken where there is no light comes from there.
 /// @param is_flat  faces are lit by their own normals: what vertex normals smooth does not show.
-LoadedScene load_scene(const SceneOptions& options, Console& console, Stopwatch& stopwatch,
+LoadedScene load_scene(const SceneOptions& options, Console& console, Stopwatch& stopwatch, Up up = Up::y,
                        bool is_flat = false);
 
 /// Pictures do not blend what is transparent: tells it, among the findings too.
@@ -93,8 +94,8 @@ void check_keeps_input(const SceneOptions& options, const std::filesystem::path&
 void check_keeps_referred(const SceneFile& file, const std::filesystem::path& path,
                           const std::string& output);
 
-/// @throws IoError if the folder has an index.html that no command of ours has written.
-void check_page_is_ours(const std::string& folder);
+/// @throws IoError if the folder has an index.html that the command, as on the command line, has not written.
+void check_page_is_ours(const std::string& folder, const std::string& command);
 
 /// For CLI11: finite numbers of at least 0, or above 0.
 CLI::Validator at_least_zero();

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <utility>
 #include <vector>
 
 #include "lambake/bake/least_squares_matrix.h"
@@ -17,13 +18,14 @@
 // Least-squares vertex baking: Kavan, Bargteil, Sloan, Computer Graphics Forum 30(4), 2011. The colours c
 // minimise
 //
-//   Σ_f ∫ (Σ b_i c_i − D⊗E)² dA  +  α Σ_e min(A_1, A_2) h² (jump of the derivative across e)²
+//   Σ_f B_f² ∫ (Σ b_i c_i − D⊗E)² dA  +  α Σ_e min(B_1² A_1, B_2² A_2) h² (jump of the derivative across e)²
 //
-// over the interior edges e between triangles of areas A_1, A_2, of which h is the least height: free of
-// scale, and however thin a triangle is, h times a derivative is at most what the colours of its corners
-// differ by. The colours are at least 0, and at most 1 where the light is, as files hold no others. The first
-// term gives the consistent mass matrix; both are the same for the three channels, which are solved one after
-// the other: what is kept of a vertex is little more than half a row of the matrix, in float.
+// over the interior edges e between triangles of areas A_1, A_2, of which h is the least height, for the
+// materials' base colours B: free of scale, and however thin a triangle is, h times a derivative is at most
+// what the colours of its corners differ by. The colours are at least 0, and at most 1 where the light is, as
+// files hold no others. The first term gives the consistent mass matrix; both are the same for the three
+// channels, which are solved one after the other: what is kept of a vertex is little more than half a row of
+// the matrix, in float.
 namespace lambake {
 namespace {
 
@@ -32,8 +34,36 @@ constexpr std::size_t triangles_per_block = 256;
 constexpr std::size_t rows_per_block = SparseMatrix::rows_per_block;
 constexpr float LinearRgb::*channels[] = {&LinearRgb::r, &LinearRgb::g, &LinearRgb::b};
 
+/// Light beyond counts as this: what is brighter by many powers of ten would leave waves in colours far
+/// around.
+constexpr double brightest_light = 1e4;
+
+/// Quarters parts whose normals turn by more than 45 degrees, as they are interpolated linearly, some times.
+void quarter_bent_parts(const Patch& patch, std::vector<glm::dmat3>& parts) {
+  constexpr int max_depth = 4;
+  std::vector<glm::dmat3> flat, next;
+  for (int depth = 0; depth < max_depth && !parts.empty(); ++depth) {
+    next.clear();
+    for (const glm::dmat3& part : parts) {
+      const glm::dmat3 n = patch.normals * part;
+      bool is_bent = false;
+      for (int i = 0; i < 3; ++i) {
+        const glm::dvec3 &a = n[i], &b = n[(i + 1) % 3];
+        const double cosine = glm::dot(a, b);
+        is_bent = is_bent || !(cosine > 0 && 2 * cosine * cosine >= glm::dot(a, a) * glm::dot(b, b));
+      }
+      if (!is_bent)
+        flat.push_back(part);
+      else
+        for (const glm::dmat3& quarter : quarters(part)) next.push_back(quarter);
+    }
+    parts.swap(next);
+  }
+  parts.insert(parts.end(), flat.begin(), flat.end());
+}
+
 /// ∫ b_i D⊗E dA / A over a triangle, column i for corner i: cut apart along the terminators and where light
-/// is narrow.
+/// is narrow or normals turn.
 glm::dmat3 moments(const Patch& patch, const std::vector<Light>& all) {
   std::vector<std::uint32_t> lights;
   find_reaching_lights(all, patch, lights);
@@ -41,37 +71,54 @@ glm::dmat3 moments(const Patch& patch, const std::vector<Light>& all) {
   if (lights.empty()) return sum;
   std::vector<glm::dmat3> parts = cut_at_terminators(patch, all, lights, 16);
   quarter_wide_parts(patch, all, lights, parts);
+  quarter_bent_parts(patch, parts);
   for (const glm::dmat3& part : parts) {
     const double share = std::abs(glm::determinant(part));
     for (const QuadratureNode& node : quadrature_5) {
       const glm::dvec3 b = part * node.b;
-      const glm::dvec3 light = reference_at(patch, all, lights, false, b);
+      const glm::dvec3 light =
+          glm::min(reference_at(patch, all, lights, false, b), glm::dvec3(brightest_light));
       for (int i = 0; i < 3; ++i) sum[i] += node.weight * share * b[i] * light;
     }
   }
   return sum;
 }
 
-/// By unknown, divided by the root of its diagonal.
-struct RightSide {
-  std::array<std::vector<float>, 3> integrals;  ///< ∫ b_i D⊗E dA, by channel.
-  std::vector<float> masses;                    ///< ∫ b_i dA.
+/// To start from. @param sample  of a channel; not finite on a lamp.
+float guess(float sample) {
+  return std::isfinite(sample) ? std::min(sample, static_cast<float>(brightest_light)) : 0;
+}
+
+/// What colours may be.
+struct Bounds {
+  /// By channel and unknown, where a colour stays so: the light is at the vertex and, in the mean, around it.
+  std::array<std::vector<bool>, 3> is_below_1;
+  double brightest = 0;
+
+  /// The step of a colour that counts as none: far below what a file or a screen shows.
+  double resolution() const { return 1e-7 * std::min(1.0, brightest); }
 };
 
-RightSide right_side(const Scene& scene, const Unknowns& unknowns, const SparseMatrix& matrix) {
+/// By channel and unknown ∫ b_i D⊗E dA, divided by the root of the diagonal.
+using RightSide = std::array<std::vector<float>, 3>;
+
+/// @param bounds  takes what the mean light around the unknowns says.
+RightSide right_side(const Scene& scene, const Unknowns& unknowns, const SparseMatrix& matrix,
+                     Bounds& bounds) {
   constexpr std::size_t chunk = 64 * triangles_per_block;
-  RightSide right;
-  for (std::vector<float>& channel : right.integrals) channel.assign(unknowns.count, 0.0f);
-  right.masses.assign(unknowns.count, 0.0f);
+  std::array<std::vector<double>, 3> integrals;
+  for (std::vector<double>& channel : integrals) channel.assign(unknowns.count, 0.0);
+  std::vector<double> masses(unknowns.count, 0.0);
   const std::size_t n = scene.mesh.n_triangles();
-  std::vector<std::pair<double, glm::dmat3>> parts(std::min(n, chunk));  // Areas; see moments().
+  std::vector<std::pair<double, glm::dmat3>> parts(std::min(n, chunk));  // Weighted areas; see moments().
   for (std::size_t first = 0; first < n; first += chunk) {
     const std::size_t n_now = std::min(chunk, n - first);
     parallel_blocks(n_now, triangles_per_block, [&](std::size_t begin, std::size_t end) {
       for (std::size_t k = begin; k < end; ++k) {
         if (!unknowns.takes_part[first + k]) continue;
         const Patch patch = patch_of(scene.mesh, first + k);
-        parts[k] = {area_of(patch) / unknowns.largest_area, moments(patch, scene.lights)};
+        const double weight = weight_of(scene.materials[scene.mesh.material_of(first + k)]);
+        parts[k] = {weight * area_of(patch) / unknowns.unit_area, moments(patch, scene.lights)};
       }
     });
     for (std::size_t k = 0; k < n_now; ++k) {
@@ -79,13 +126,37 @@ RightSide right_side(const Scene& scene, const Unknowns& unknowns, const SparseM
       for (int i = 0; i < 3; ++i) {
         const std::uint32_t u = unknowns.of[scene.mesh.triangles[first + k][i]];
         const double share = parts[k].first / matrix.roots[u];
-        right.masses[u] += static_cast<float>(share / 3);
-        for (int c = 0; c < 3; ++c)
-          right.integrals[c][u] += static_cast<float>(share * parts[k].second[i][c]);
+        masses[u] += share / 3;
+        for (int c = 0; c < 3; ++c) integrals[c][u] += share * parts[k].second[i][c];
       }
     }
   }
+  for (int c = 0; c < 3; ++c) {
+    bounds.is_below_1[c].resize(unknowns.count);
+    for (std::size_t u = 0; u < unknowns.count; ++u) {
+      const double mean = integrals[c][u] / masses[u];
+      bounds.is_below_1[c][u] = mean <= 1;
+      if (std::isfinite(mean)) bounds.brightest = std::max(bounds.brightest, mean);
+    }
+  }
+  masses = std::vector<double>();
+  RightSide right;
+  for (int c = 0; c < 3; ++c) {
+    right[c].reserve(unknowns.count);
+    for (const double integral : integrals[c]) right[c].push_back(static_cast<float>(integral));
+    integrals[c] = std::vector<double>();
+  }
   return right;
+}
+
+void add_samples(const Unknowns& unknowns, const std::vector<LinearRgb>& samples, Bounds& bounds) {
+  for (int c = 0; c < 3; ++c)
+    for (std::size_t v = 0; v < samples.size(); ++v) {
+      if (unknowns.of[v] == none) continue;
+      const float sample = guess(samples[v].*channels[c]);
+      if (sample > 1) bounds.is_below_1[c][unknowns.of[v]] = false;
+      bounds.brightest = std::max<double>(bounds.brightest, sample);
+    }
 }
 
 /// The sum of body(begin, end) over the blocks of n rows, in their order.
@@ -98,37 +169,6 @@ auto sum_over_blocks(std::size_t n, const Body& body) {
   return std::accumulate(sums.begin(), sums.end(), decltype(body(n, n))(0.0));
 }
 
-float finite_or_0(float value) {
-  return std::isfinite(value) ? value : 0;
-}
-
-/// What colours may be.
-struct Bounds {
-  /// By channel and unknown, where a colour stays so: the light is at the vertex and, in the mean, around it.
-  std::array<std::vector<bool>, 3> is_below_1;
-  /// The step of a colour that counts as none: far below what a file or a screen shows, and what double holds
-  /// of the brightest.
-  double resolution = 0;
-};
-
-Bounds bounds_of(const Unknowns& unknowns, const std::vector<LinearRgb>& samples, const RightSide& right) {
-  Bounds bounds;
-  double brightest = 0;
-  for (int c = 0; c < 3; ++c) {
-    bounds.is_below_1[c].resize(unknowns.count);
-    for (std::size_t v = 0; v < samples.size(); ++v) {
-      const std::uint32_t u = unknowns.of[v];
-      if (u == none) continue;
-      const double mean = double(right.integrals[c][u]) / right.masses[u];
-      const double light = std::max<double>(finite_or_0(samples[v].*channels[c]), mean);
-      bounds.is_below_1[c][u] = light <= 1;
-      if (std::isfinite(light)) brightest = std::max(brightest, light);
-    }
-  }
-  bounds.resolution = std::max(1e-7 * std::min(1.0, brightest), 1e-14 * brightest);
-  return bounds;
-}
-
 /// Where the solver is with one channel. Colours, and steps of them, are multiplied by the roots.
 struct Iterate {
   std::vector<float> x{};
@@ -138,63 +178,57 @@ struct Iterate {
   std::vector<char> is_free{};     ///< The others are held at a bound.
 };
 
-/// Of the free residual: the sum of squares, and the largest step of a colour.
-struct Distance {
-  double square = 0, largest = 0;
-
-  explicit Distance(double = 0) {}
-  friend Distance operator+(Distance a, const Distance& b) {
-    a.square += b.square;
-    a.largest = std::max(a.largest, b.largest);
-    return a;
-  }
+/// Between what the eigenvalues of the matrix lie, on any mesh. The mass matrix, scaled by its own diagonal,
+/// has such from 1/2 to 2 (Wathen 1987); the jumps, of four colours each, from 0 to 4; and they are at most
+/// 72 α of the diagonal.
+struct Spectrum {
+  double least, greatest;
 };
 
-/// A step along `direction`, then conjugate gradients among what is free, until no colour is a step of
-/// `resolution` away. A large face elsewhere must not hide what small ones lack.
-/// @param n_left  of iterations: counted down.
-void descend(const SparseMatrix& matrix, double resolution, int& n_left, Iterate& at) {
-  const std::size_t n = at.x.size();
-  const auto free_residual = [&](std::size_t u) { return at.is_free[u] ? at.residual[u] : 0.0f; };
-  multiply(matrix, at.direction, at.image);
-  double step = 1, old_square = 0;
-  for (;;) {
-    const Distance left = sum_over_blocks(n, [&](std::size_t begin, std::size_t end) {
-      Distance sum;
-      const auto along = static_cast<float>(step);
-      for (std::size_t u = begin; u < end; ++u) {
-        at.x[u] += along * at.direction[u];
-        at.residual[u] -= along * at.image[u];
-        const double r = free_residual(u);
-        sum.square += r * r;
-        sum.largest = std::max(sum.largest, std::abs(r) / matrix.roots[u]);
-      }
-      return sum;
-    });
-    if (!(left.largest > resolution) || --n_left <= 0) return;
-    const auto turn = static_cast<float>(old_square > 0 ? left.square / old_square : 0);
-    old_square = left.square;
-    parallel_blocks(n, rows_per_block, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t u = begin; u < end; ++u) at.direction[u] = free_residual(u) + turn * at.direction[u];
-    });
+Spectrum spectrum_of(double gradient_weight) {
+  const double most_jumps = 72 * gradient_weight;
+  return {0.5 / (1 + most_jumps), (2 + 4 * most_jumps) / (1 + most_jumps)};
+}
+
+/// A step along `direction`, then Chebyshev's iteration among what is free, until no colour would move by
+/// `resolution`, or of itself where it is above 1, or for as long as it takes to come nearer by nine powers
+/// of ten. As nothing in it is of the whole mesh, neither a spot of light that is brighter by many powers of
+/// ten nor a huge face keeps the rest from its end.
+void descend(const SparseMatrix& matrix, const Spectrum& spectrum, double resolution, Iterate& at) {
+  const double center = 0.5 * (spectrum.greatest + spectrum.least),
+               radius = 0.5 * (spectrum.greatest - spectrum.least),
+               root = std::sqrt(spectrum.greatest / spectrum.least);
+  const double n_most = std::ceil(std::log(2e9) / std::log((root + 1) / (root - 1)));
+  double ratio = 0;
+  for (double n = 0;; ++n) {
+    const double next = n > 0 ? 1 / (2 * center / radius - ratio) : radius / center;
+    const auto of_direction = static_cast<float>(n > 0 ? next * ratio : 0);
+    const auto of_residual = static_cast<float>(n > 0 ? 2 * next / radius : 1 / center);
+    ratio = next;
     multiply(matrix, at.direction, at.image);
-    const double curvature = sum_over_blocks(n, [&](std::size_t begin, std::size_t end) {
-      double sum = 0;
-      for (std::size_t u = begin; u < end; ++u) sum += double(at.direction[u]) * at.image[u];
-      return sum;
+    const std::size_t n_far = sum_over_blocks(at.x.size(), [&](std::size_t begin, std::size_t end) {
+      std::size_t n_far_here = 0;
+      for (std::size_t u = begin; u < end; ++u) {
+        at.x[u] += at.direction[u];
+        at.residual[u] -= at.image[u];
+        const float residual = at.is_free[u] ? at.residual[u] : 0.0f;
+        n_far_here += std::abs(residual) > resolution * std::max(matrix.roots[u], std::abs(at.x[u]));
+        at.direction[u] = of_direction * at.direction[u] + of_residual * residual;
+      }
+      return n_far_here;
     });
-    step = curvature > 0 ? old_square / curvature : 0;
+    if (n_far == 0 || n >= n_most) return;
   }
 }
 
 /// Holds at its bound what is beyond, with a step there as the new direction, and frees what the residual
 /// pulls off. @returns how many of both.
 std::size_t change_held(const SparseMatrix& matrix, const Bounds& bounds, int channel, Iterate& at) {
-  const double least_change = 100 * bounds.resolution;
   return sum_over_blocks(at.x.size(), [&](std::size_t begin, std::size_t end) {
     std::size_t n_changed = 0;
     for (std::size_t u = begin; u < end; ++u) {
       const double root = matrix.roots[u], x = at.x[u] / root, pull = at.residual[u] / root;
+      const double least_change = 100 * bounds.resolution() * std::max(1.0, std::abs(x));
       const bool is_low = x < -least_change, is_high = bounds.is_below_1[channel][u] && x > 1 + least_change;
       const bool was_free = at.is_free[u];
       const bool is_free = was_free ? !is_low && !is_high : (x < 0.5 ? pull : -pull) > least_change;
@@ -207,30 +241,29 @@ std::size_t change_held(const SparseMatrix& matrix, const Bounds& bounds, int ch
 }
 
 /// Least squares with 0 <= x, and x <= 1 where the bounds say so, by a primal-dual active set (Hintermüller,
-/// Ito, Kunisch 2002). Scaled by its diagonal the matrix has eigenvalues between 1 / (2 + 144 α) and 4 on any
-/// mesh: the mass matrix, scaled by its own, from 1/2 to 2 (Wathen 1987), to which the jumps, of four colours
-/// each, add at most 72 α. So it takes few iterations, unless α is large. (From the samples: where it does
-/// not come to its end, it has not gone far.)
+/// Ito, Kunisch 2002). (From the samples: where it does not come to its end, it has not gone far.)
 /// @param at  with the right side as residual and the samples as direction; without an image.
-/// @param is_unsettled  set where a step more would move a colour by a 16-bit step or further.
+/// @param is_unsettled  set where a step more would move a colour by a 16-bit step or further, or by as much
+///                      of itself where it is above 1.
 /// @returns the colours, within the bounds.
-std::vector<float> solve(const SparseMatrix& matrix, const Bounds& bounds, int channel, Iterate at,
-                         std::vector<bool>& is_unsettled) {
+std::vector<float> solve(const SparseMatrix& matrix, const Spectrum& spectrum, const Bounds& bounds,
+                         int channel, Iterate at, std::vector<bool>& is_unsettled) {
   constexpr double settled = 1.0 / 65535;
   const std::size_t n = matrix.roots.size();
   at.x.assign(n, 0.0f);
   at.is_free.assign(n, true);
-  int n_left = 2000;
-  do descend(matrix, bounds.resolution, n_left, at);
-  while (change_held(matrix, bounds, channel, at) > 0 && n_left > 0);
+  int n_left = 50;
+  do descend(matrix, spectrum, bounds.resolution(), at);
+  while (change_held(matrix, bounds, channel, at) > 0 && --n_left > 0);
 
   for (std::size_t u = 0; u < n; ++u) {
     const float before = at.x[u] / matrix.roots[u];
     float& x = at.x[u];
     x = std::max(before, 0.0f);
     if (bounds.is_below_1[channel][u]) x = std::min(x, 1.0f);
-    const double step = at.is_free[u] ? at.residual[u] / matrix.roots[u] : 0;
-    if (!(std::abs(step) + std::abs(x - before) < settled)) is_unsettled[u] = true;
+    double step = at.residual[u] / matrix.roots[u];
+    if (!at.is_free[u]) step = std::max(0.0, before < 0.5f ? step : -step);
+    if (!(std::abs(step) + std::abs(x - before) < settled * std::max(1.0f, x))) is_unsettled[u] = true;
   }
   return std::move(at.x);
 }
@@ -238,24 +271,24 @@ std::vector<float> solve(const SparseMatrix& matrix, const Bounds& bounds, int c
 }  // namespace
 
 BakedColors bake_least_squares(const Scene& scene, const BakeOptions& options) {
-  if (!(options.gradient_weight >= 0) || !std::isfinite(options.gradient_weight))
-    throw InvalidOption("bake: expected a gradient weight of at least 0");
+  if (!(options.gradient_weight >= 0 && options.gradient_weight <= 100))
+    throw InvalidOption("bake: expected a gradient weight from 0 to 100");
   const Mesh& mesh = scene.mesh;
   if (mesh.n_triangles() > none / 3)
     throw InvalidScene(
         fmt::format("least squares: expected at most {} triangles, found {}", none / 3, mesh.n_triangles()));
+  const Unknowns unknowns = find_unknowns(scene);
+  const SparseMatrix matrix = least_squares_matrix(scene, unknowns, options.gradient_weight);
+  Bounds bounds;
+  RightSide right = right_side(scene, unknowns, matrix, bounds);
   BakedColors baked;
   baked.colors = sample_at_vertices(scene, mesh, 0).colors;
-  const Unknowns unknowns = find_unknowns(scene);
-  const SparseMatrix matrix = least_squares_matrix(mesh, unknowns, options.gradient_weight);
-  RightSide right = right_side(scene, unknowns, matrix);
-  const Bounds bounds = bounds_of(unknowns, baked.colors, right);
-  right.masses = {};
+  add_samples(unknowns, baked.colors, bounds);
 
   // Grey light on grey surfaces is solved once.
   std::array<bool, 3> is_like_previous{};
   for (int c = 1; c < 3; ++c)
-    is_like_previous[c] = right.integrals[c] == right.integrals[c - 1] &&
+    is_like_previous[c] = right[c] == right[c - 1] &&
                           std::all_of(baked.colors.begin(), baked.colors.end(), [&](const LinearRgb& s) {
                             return s.*channels[c] == s.*channels[c - 1];
                           });
@@ -265,20 +298,20 @@ BakedColors bake_least_squares(const Scene& scene, const BakeOptions& options) {
       for (LinearRgb& color : baked.colors) color.*channels[c] = color.*channels[c - 1];
       continue;
     }
-    Iterate start{.residual = std::move(right.integrals[c]), .direction = std::vector<float>(unknowns.count)};
+    Iterate start{.residual = std::move(right[c]), .direction = std::vector<float>(unknowns.count)};
     for (std::size_t v = 0; v < mesh.n_vertices(); ++v) {
       const std::uint32_t u = unknowns.of[v];
-      if (u != none) start.direction[u] = finite_or_0(baked.colors[v].*channels[c]) * matrix.roots[u];
+      if (u != none) start.direction[u] = guess(baked.colors[v].*channels[c]) * matrix.roots[u];
     }
-    const std::vector<float> x = solve(matrix, bounds, c, std::move(start), is_unsettled);
+    const std::vector<float> x =
+        solve(matrix, spectrum_of(options.gradient_weight), bounds, c, std::move(start), is_unsettled);
     for (std::size_t v = 0; v < mesh.n_vertices(); ++v)
       if (unknowns.of[v] != none) baked.colors[v].*channels[c] = x[unknowns.of[v]];
   }
-  add_finding(
-      baked.findings, "least_squares_unsettled",
-      static_cast<std::size_t>(std::count(is_unsettled.begin(), is_unsettled.end(), true)),
-      "colour[ is|s are] not settled: with so large a gradient weight slivers keep least squares from "
-      "its end; other methods do not mind them");
+  add_finding(baked.findings, "least_squares_unsettled",
+              static_cast<std::size_t>(std::count(is_unsettled.begin(), is_unsettled.end(), true)),
+              "colour[ is|s are] not settled: with so large a gradient weight least squares does not come to "
+              "its end");
   return baked;
 }
 

@@ -20,7 +20,7 @@ constexpr std::size_t longest_step = std::numeric_limits<std::uint16_t>::max();
 /// A triangle that takes part, as the matrix sees it.
 struct Element {
   glm::uvec3 unknowns{0};
-  double area = 0;  ///< In the largest of the mesh.
+  double area = 0;  ///< Weighted, in Unknowns::unit_area.
   glm::dvec3 cotangents{0.0};
   glm::uvec3 across{none};  ///< For its side from corner c to the next: see corner_across().
 };
@@ -45,8 +45,10 @@ double height_over_side(const Element& element, int k) {
 
 /// The triangles that take part, and which are around an unknown.
 struct Elements {
+  const Scene& scene;
   const Mesh& mesh;
   const Unknowns& unknowns;
+  bool has_jumps;
   std::vector<std::uint32_t> starts{};   ///< The corners at unknown u: from starts[u] to starts[u + 1] in
   std::vector<std::uint32_t> corners{};  ///< these, 3·triangle + c, in the order of the triangles.
 
@@ -58,8 +60,9 @@ struct Elements {
   }
 };
 
-Elements elements_of(const Mesh& mesh, const Unknowns& unknowns) {
-  Elements elements{.mesh = mesh, .unknowns = unknowns};
+Elements elements_of(const Scene& scene, const Unknowns& unknowns, bool has_jumps) {
+  const Mesh& mesh = scene.mesh;
+  Elements elements{.scene = scene, .mesh = mesh, .unknowns = unknowns, .has_jumps = has_jumps};
   const auto for_each_corner = [&](auto&& visit) {
     for (std::uint32_t f = 0; f < mesh.n_triangles(); ++f)
       if (unknowns.takes_part[f])
@@ -106,10 +109,12 @@ Element element_of(const Elements& elements, std::size_t triangle) {
     element.unknowns[c] = elements.unknown_at(triangle, c);
   }
   const double doubled_area = glm::length(glm::cross(p[1] - p[0], p[2] - p[0]));
-  element.area = 0.5 * doubled_area / elements.unknowns.largest_area;
+  const Material& material = elements.scene.materials[elements.mesh.material_of(triangle)];
+  element.area = weight_of(material) * 0.5 * doubled_area / elements.unknowns.unit_area;
   for (int i = 0; i < 3; ++i) {
     element.cotangents[i] = glm::dot(p[(i + 1) % 3] - p[i], p[(i + 2) % 3] - p[i]) / doubled_area;
-    element.across[i] = corner_across(elements, element.unknowns[i], element.unknowns[(i + 1) % 3]);
+    if (elements.has_jumps)
+      element.across[i] = corner_across(elements, element.unknowns[i], element.unknowns[(i + 1) % 3]);
   }
   return element;
 }
@@ -146,7 +151,7 @@ void add_to_row(RecentElements& elements, std::uint32_t corner, double gradient_
   };
   glm::dvec3 values(f.area / 12);
   values[i] *= 2;
-  for (int k = 0; k < 3 && gradient_weight > 0; ++k) {
+  for (int k = 0; k < 3; ++k) {
     if (f.across[k] == none) continue;
     // l times the jump is s + t over the corners of both. Of a row of an end of the side this is what s_i
     // gives; what t gives comes from g.
@@ -210,12 +215,14 @@ Unknowns find_unknowns(const Scene& scene) {
   unknowns.takes_part.assign(mesh.n_triangles(), false);
   ValueNumbers<9> numbers;
   numbers.reserve(mesh.n_vertices());
+  double largest_area = 0;
   for (std::size_t f = 0; f < mesh.n_triangles(); ++f) {
-    if (scene.materials[mesh.material_of(f)].is_unlit) continue;
-    const double area = area_of(patch_of(mesh, f));
+    const Material& material = scene.materials[mesh.material_of(f)];
+    if (material.is_unlit) continue;
+    const double area = weight_of(material) * area_of(patch_of(mesh, f));
     if (!(area > 0)) continue;
     unknowns.takes_part[f] = true;
-    unknowns.largest_area = std::max(unknowns.largest_area, area);
+    largest_area = std::max(largest_area, area);
     for (int c = 0; c < 3; ++c) {
       const std::uint32_t v = mesh.triangles[f][c];
       if (unknowns.of[v] != none) continue;
@@ -226,12 +233,13 @@ Unknowns find_unknowns(const Scene& scene) {
     }
   }
   unknowns.count = numbers.size();
+  unknowns.unit_area = 1e-30 * largest_area;
   if (is_scattered(mesh, unknowns)) number_by_place(mesh, unknowns);
   return unknowns;
 }
 
-SparseMatrix least_squares_matrix(const Mesh& mesh, const Unknowns& unknowns, double gradient_weight) {
-  const Elements elements = elements_of(mesh, unknowns);
+SparseMatrix least_squares_matrix(const Scene& scene, const Unknowns& unknowns, double gradient_weight) {
+  const Elements elements = elements_of(scene, unknowns, gradient_weight > 0);
   const std::size_t n = unknowns.count;
   SparseMatrix matrix{.blocks = std::vector<SparseRows>((n + rows_per_block - 1) / rows_per_block),
                       .roots = std::vector<float>(n)};
@@ -281,10 +289,9 @@ void multiply(const SparseMatrix& matrix, const std::vector<float>& x, SparsePro
   product.blocks.resize(matrix.blocks.size());
   parallel_blocks(x.size(), rows_per_block, [&](std::size_t begin, std::size_t end) {
     const SparseRows& rows = matrix.blocks[begin / rows_per_block];
-    std::vector<float>& sums = product.blocks[begin / rows_per_block];
-    sums.assign(end - begin + rows.n_beyond, 0.0f);
+    std::vector<double> sums(end - begin + rows.n_beyond, 0.0);
     for (std::size_t u = begin, e = 0; u < end; ++u) {
-      float sum = x[u];
+      double sum = x[u];
       for (; e < rows.ends[u - begin]; ++e) {
         const std::size_t column = u + rows.steps[e];
         sum += rows.values[e] * x[column];
@@ -292,6 +299,7 @@ void multiply(const SparseMatrix& matrix, const std::vector<float>& x, SparsePro
       }
       sums[u - begin] += sum;
     }
+    product.blocks[begin / rows_per_block].assign(sums.begin(), sums.end());
   });
   const auto at = [&](std::size_t u) -> float& {
     return product.blocks[u / rows_per_block][u % rows_per_block];

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -24,6 +25,13 @@ inline Patch patch_of(const Mesh& mesh, std::size_t triangle) {
   return patch;
 }
 
+/// What the square of an error of the colours counts: errors are multiplied by the base colour before they
+/// are seen. Textures are left out, and so are differences between the channels.
+inline double weight_of(const Material& material) {
+  const LinearRgb& base = material.base_color;
+  return std::max(1e-6, (double(base.r) * base.r + double(base.g) * base.g + double(base.b) * base.b) / 3);
+}
+
 /// The colours to be found.
 struct Unknowns {
   static constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
@@ -32,7 +40,8 @@ struct Unknowns {
   /// not show; none where no triangle takes part.
   std::vector<std::uint32_t> of;
   std::vector<bool> takes_part;  ///< F: it is lit and has an area.
-  double largest_area = 0;
+  /// A small part of the largest weighted area, so that the roots of all others are in float's range.
+  double unit_area = 0;
   std::size_t count = 0;
 };
 
@@ -60,8 +69,8 @@ struct SparseMatrix {
   std::vector<float> roots;        ///< D^½.
 };
 
-/// The matrix of the normal equations for areas in units of the largest one. Parallel.
-SparseMatrix least_squares_matrix(const Mesh& mesh, const Unknowns& unknowns, double gradient_weight);
+/// The matrix of the normal equations for weighted areas in Unknowns::unit_area. Parallel.
+SparseMatrix least_squares_matrix(const Scene& scene, const Unknowns& unknowns, double gradient_weight);
 
 /// A product with the matrix: by block its rows and, behind them, what the block adds to rows that follow.
 struct SparseProduct {
@@ -71,8 +80,8 @@ struct SparseProduct {
   }
 };
 
-/// In parallel: blocks side by side, each with its own sums; what they have for each other is added in their
-/// order.
+/// In parallel: blocks side by side, each with its own sums, in double; what they have for each other is
+/// added in their order.
 void multiply(const SparseMatrix& matrix, const std::vector<float>& x, SparseProduct& product);
 
 }  // namespace lambake

@@ -40,6 +40,18 @@ bool is_chosen(const ChartRun& run, const MethodRun& m) {
   return m.method == run.chosen_method && (m.variant.empty() || m.variant == "1/255");
 }
 
+/// The number of the colour and shape of a method, and of pictures that are lit per pixel, in every chart.
+std::size_t kind_of(const std::string& method) {
+  constexpr const char* methods[] = {"sample",  "face",    "adaptive", "least-squares",
+                                     "average", "uniform", "per pixel"};
+  return static_cast<std::size_t>(std::find(std::begin(methods), std::end(methods), method) - methods);
+}
+
+/// In steps of 1/255. What rounding leaves of 0 is 0: it would stretch an axis by powers of ten.
+double steps(double error) {
+  return error * 255 < 1e-6 ? 0 : error * 255;
+}
+
 /// One series per method, in the order of the run, of the runs that have a y.
 std::vector<ChartSeries> series_by_method(
     const ChartRun& run, const std::function<std::optional<ChartPoint>(const MethodRun&)>& point) {
@@ -50,7 +62,8 @@ std::vector<ChartSeries> series_by_method(
     p->is_emphasised = is_chosen(run, m);
     auto series =
         std::find_if(all.begin(), all.end(), [&](const ChartSeries& s) { return s.name == m.method; });
-    if (series == all.end()) series = all.insert(all.end(), ChartSeries{m.method, {}});
+    if (series == all.end())
+      series = all.insert(all.end(), ChartSeries{.name = m.method, .points = {}, .kind = kind_of(m.method)});
     series->points.push_back(*p);
   }
   return all;
@@ -75,9 +88,10 @@ Chart time_chart(const ChartRun& run, const char* id, const char* title, const c
   chart.series = series_by_method(run, [&](const MethodRun& m) -> std::optional<ChartPoint> {
     const std::optional<double> e = error(m);
     if (!e) return std::nullopt;
-    return point_of(m.all_threads, *e * 255, label_of(m));
+    return point_of(m.all_threads, steps(*e), label_of(m));
   });
-  ChartSeries frames{"per pixel, one picture", {}, false, false};
+  ChartSeries frames{
+      .name = "per pixel, one picture", .points = {}, .is_compared = false, .kind = kind_of("per pixel")};
   for (const FrameRun& f : run.frames) frames.points.push_back(point_of(f.per_fragment, 0, size_of(f)));
   if (!frames.points.empty()) chart.series.push_back(std::move(frames));
   return chart;
@@ -110,17 +124,23 @@ std::optional<ChartPoint> crossing(const ChartRun& run) {
   return std::nullopt;
 }
 
-/// For the run by `sample` with the scene's normals, if there is one.
-const MethodRun* find_sample(const ChartRun& run) {
-  const auto it = std::find_if(run.methods.begin(), run.methods.end(),
-                               [](const MethodRun& m) { return m.method == "sample" && m.variant.empty(); });
+/// The first run of which something holds, if there is one.
+template <typename Predicate>
+const MethodRun* find_run(const ChartRun& run, const Predicate& is_it) {
+  const auto it = std::find_if(run.methods.begin(), run.methods.end(), is_it);
   return it == run.methods.end() ? nullptr : &*it;
+}
+
+/// That by `sample` with the scene's normals.
+const MethodRun* find_sample(const ChartRun& run) {
+  return find_run(run, [](const MethodRun& m) { return m.method == "sample" && m.variant.empty(); });
 }
 
 /// When a bake has paid for itself.
 std::string payback(const ChartRun& run) {
-  const MethodRun* sample = find_sample(run);
-  if (sample == nullptr || run.frames.empty())
+  const MethodRun* chosen = find_run(run, [&](const MethodRun& m) { return is_chosen(run, m); });
+  const MethodRun* baker = chosen != nullptr ? chosen : find_sample(run);
+  if (baker == nullptr || run.frames.empty())
     return fmt::format("Time against error of {} ways to light {}.", run.methods.size(), run.input);
   const FrameRun& frame = run.frames.back();
   const double saved = frame.per_fragment.median - frame.per_vertex.median;
@@ -128,11 +148,11 @@ std::string payback(const ChartRun& run) {
       saved <= 0 ? "a picture costs the same either way"
                  : fmt::format("it saves {} on each picture of {}, so it has paid for itself after {}",
                                duration(saved), size_of(frame),
-                               sample->all_threads.median <= saved
+                               baker->all_threads.median <= saved
                                    ? std::string("the first")
-                                   : fmt::format("{:.0f}", std::ceil(sample->all_threads.median / saved)));
-  return fmt::format("Baking by sample takes {} and is typically off by {}; {}.",
-                     duration(sample->all_threads.median), steps_of_255(sample->rmse), pays);
+                                   : fmt::format("{:.0f}", std::ceil(baker->all_threads.median / saved)));
+  return fmt::format("Baking by {} takes {} and is typically off by {}; {}.", baker->label(),
+                     duration(baker->all_threads.median), steps_of_255(baker->rmse), pays);
 }
 
 std::string header(const ChartRun& run) {
@@ -287,7 +307,7 @@ Chart vertices_chart(const ChartRun& run) {
     // Normals and storage change the error, not the number of vertices.
     if (!std::isfinite(m.max_bound) || m.variant.starts_with("normals") || m.variant.starts_with("stored"))
       return std::nullopt;
-    return ChartPoint{static_cast<double>(m.n_vertices), m.max_bound * 255, 0, 0, m.label()};
+    return ChartPoint{static_cast<double>(m.n_vertices), steps(m.max_bound), 0, 0, m.label()};
   });
   // Where the light is smooth the error falls with h² ~ 1/V, at a kink with h ~ 1/√V.
   const MethodRun* sample = find_sample(run);
@@ -304,14 +324,18 @@ Chart vertices_chart(const ChartRun& run) {
 }
 
 std::string chart_page(const ChartRun& run) {
-  constexpr const char* how_to_read =
-      "Left is faster, lower is closer to light per pixel. Filled marks are on the front: nothing else "
-      "measured is both faster and closer. The bars are the quartiles of the repeats. At 0: what a picture "
-      "costs that is lit per pixel.";
-  std::string main = chart_section(speed_chart(run), how_to_read);
-  main += chart_section(
-      bound_chart(run),
-      "The same with the largest error anywhere on the surface, certified: it is never below the truth.");
+  std::string main = chart_section(
+      speed_chart(run),
+      std::string(
+          "Left is faster, lower is closer to light per pixel. Filled marks are on the front: nothing "
+          "else measured is both faster and closer. The bars are the quartiles of the repeats.") +
+          (run.frames.empty() ? "" : " At 0: what a picture costs that is lit per pixel."));
+  const bool has_bound = std::any_of(run.methods.begin(), run.methods.end(),
+                                     [](const MethodRun& m) { return std::isfinite(m.max_bound); });
+  if (has_bound)
+    main += chart_section(
+        bound_chart(run),
+        "The same with the largest error anywhere on the surface, certified: it is never below the truth.");
   if (!run.lights.empty()) {
     const std::optional<ChartPoint> p = crossing(run);
     const LightsRun& last = run.lights.back();
@@ -321,16 +345,17 @@ std::string chart_page(const ChartRun& run) {
           : fmt::format("The lines do not cross: {} is cheaper for every number measured.",
                         last.per_vertex.median < last.per_fragment.median ? "one bake" : "one picture"));
   }
-  main += chart_section(
-      vertices_chart(run),
-      "Where light is smooth an even finer mesh errs with h², the square of its edge length; across "
-      "a terminator only with h. Cutting there beats both.");
+  if (has_bound)
+    main += chart_section(
+        vertices_chart(run),
+        "Where light is smooth an even finer mesh errs with h², the square of its edge length; across "
+        "a terminator only with h. Cutting there beats both.");
   main += methods_section(run) + frames_section(run);
   std::string time = duration(run.seconds);
   if (!run.left_out.empty())
     time += "; the budget left out " + escape_html(fmt::format("{}", fmt::join(run.left_out, "; ")));
   main += made_section(run.command, run.version, time);
-  return page_frame(run.input + " · lambake chart", header(run), main);
+  return page_frame("chart", run.input, header(run), main);
 }
 
 }  // namespace lambake

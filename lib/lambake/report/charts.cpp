@@ -218,8 +218,9 @@ class ChartDrawing {
   /// As many lines as it needs; returns where the last one stands.
   double draw_legend() {
     double x = 12, y = 18;
-    for (std::size_t kind = 0; kind < chart_.series.size(); ++kind) {
-      const std::string& name = chart_.series[kind].name;
+    for (std::size_t i = 0; i < chart_.series.size(); ++i) {
+      const std::string& name = chart_.series[i].name;
+      const std::size_t kind = chart_.series[i].kind.value_or(i);
       const double w = 20 + width_of(name);
       if (x + w > width_ && x > 12) x = 12, y += 20;
       add("<path class=\"mark kind-{}\" d=\"{}\"/><text x=\"{:.1f}\" y=\"{:.1f}\">{}</text>\n",
@@ -290,8 +291,9 @@ class ChartDrawing {
 
   void draw_series() {
     std::size_t index = 0;
-    for (std::size_t kind = 0; kind < chart_.series.size(); ++kind) {
-      const ChartSeries& series = chart_.series[kind];
+    for (std::size_t i = 0; i < chart_.series.size(); ++i) {
+      const ChartSeries& series = chart_.series[i];
+      const std::size_t kind = series.kind.value_or(i);
       std::string path, marks;
       for (const ChartPoint& p : series.points) {
         const double x = x_scale_(p.x), y = y_at(p.y);

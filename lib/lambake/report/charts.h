@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,8 +21,9 @@ struct ChartPoint {
 struct ChartSeries {
   std::string name;  ///< In the legend.
   std::vector<ChartPoint> points;
-  bool is_line = false;     ///< Joined in their order.
-  bool is_compared = true;  ///< Takes part in the Pareto front.
+  bool is_line = false;               ///< Joined in their order.
+  bool is_compared = true;            ///< Takes part in the Pareto front.
+  std::optional<std::size_t> kind{};  ///< Number of its colour and shape; none: that of its place.
 };
 
 /// A dashed line between two points, with words at its end: a slope to compare with.

@@ -265,7 +265,7 @@ std::string times(const Comparison& c) {
 }  // namespace
 
 std::string report_page(const Comparison& c) {
-  return page_frame(c.input + " · lambake compare", header(c),
+  return page_frame("compare", c.input, header(c),
                     picture_sections(c) + trials_section(c) + numbers_section(c) + shares_section(c) +
                         lights_section(c) + worst_section(c) + findings_section(c) +
                         made_section(c.command, c.version, times(c)));

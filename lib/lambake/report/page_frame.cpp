@@ -31,10 +31,12 @@ std::string fill_slots(std::string_view text,
 
 }  // namespace
 
-std::string page_frame(const std::string& title, const std::string& header, const std::string& main) {
+std::string page_frame(const std::string& command, const std::string& title, const std::string& header,
+                       const std::string& main) {
   const std::string css = std::string(page_assets::page_css).append(page_assets::chart_css);
-  const std::string escaped_title = escape_html(title);
-  return fill_slots(page_assets::page_html, {{"title", escaped_title},
+  const std::string escaped_title = escape_html(title + " · lambake " + command);
+  return fill_slots(page_assets::page_html, {{"command", command},
+                                             {"title", escaped_title},
                                              {"css", css},
                                              {"js", page_assets::page_js},
                                              {"header", header},
