@@ -419,7 +419,7 @@ TEST(LeastSquares, TrianglesOfAnySize_GetTheirLight) {
   Mesh mesh = grid(4, 1);
   const auto n = static_cast<std::uint32_t>(mesh.n_vertices());
   for (glm::vec3& p : mesh.positions) p *= 1e-6f;
-  mesh.positions.insert(mesh.positions.end(), {{0, -1, 0}, {1e37f, -1, 0}, {0, -1, -1e37f}});
+  mesh.positions.insert(mesh.positions.end(), {{0, -1, 0}, {1e20f, -1, 0}, {0, -1, -1e20f}});
   mesh.triangles.push_back({n, n + 1, n + 2});
   mesh.normals.assign(mesh.n_vertices(), {0, 1, 0});
   for (const LinearRgb& c : least_squares(scene_of(mesh, {sun({0, 1, 0}, {0.5f, 0.5f, 0.5f})}), 0.003).colors)

@@ -205,11 +205,35 @@ TEST(CommandLine, OptionsThatAreWrongWhateverTheFile_AreToldBeforeItIsRead) {
         "render none.ply -o a.png --camera 1 --eye 1,2,3", "compare none.ply -o c --eye 0,1",
         "compare none.ply -o c --views 3 --eye 1,2,3", "compare none.ply -o c --eye 1,2,3 --fov-deg 180",
         "chart none.ply -o c --eye 1,2", "render none.ply -o a.png --up x",
-        "render none.ply -o a.png --up z --camera 0"}) {
+        "render none.ply -o a.png --up z --camera 0", "bake none.ply -o a.glb --sun 1,2",
+        "bake none.ply -o a.glb --lamp 1,2,3,4", "bake none.ply -o a.glb --albedo 2,0,0",
+        "bake none.ply -o a.glb --exposure 65", "bake none.ply -o a.glb --crease-angle-deg 200",
+        "bake none.ply -o a.glb --crease-angle-deg 30 --normals file"}) {
     const ToolResult result = run_tool(folder, arguments);
     EXPECT_EQ(result.exit_code, 2) << arguments << "\n" << result.err;
     EXPECT_EQ(count_lines(result.err), 1U) << result.err;
   }
+}
+
+// The sun that is taken where there is no light turns with the model.
+TEST(CommandLine, ZUp_TurnsTheDefaultSun) {
+  const ScratchFolder folder("sun_up");
+  std::ofstream(folder / "y.off") << "OFF\n4 2 0\n-1 0 2\n1 0 2\n1 0.5 -1\n-1 1 -1\n3 0 1 2\n3 0 2 3\n";
+  std::ofstream(folder / "z.off") << "OFF\n4 2 0\n-1 -2 0\n1 -2 0\n1 1 0.5\n-1 1 1\n3 0 1 2\n3 0 2 3\n";
+  run_tool(folder, "render y.off --size 32x32 -o y.png");
+  EXPECT_NE(run_tool(folder, "render z.off --up z --size 32x32 -o z.png").err.find("0.4,-0.3,1"),
+            std::string::npos);
+  EXPECT_EQ(read_bytes(folder / "y.png"), read_bytes(folder / "z.png"));
+}
+
+// What baking notices is told by pictures of it as well.
+TEST(CommandLine, RenderPerVertex_TellsWhatBakingNotices) {
+  const ScratchFolder folder("render_findings");
+  write_octahedron(folder / "in.off");
+  const ToolResult rendered =
+      run_tool(folder, "render in.off --lamp 1,0,0 --shading vertex --size 16x16 -o a.png --json");
+  EXPECT_NE(rendered.err.find("on a lamp"), std::string::npos) << rendered.err;
+  EXPECT_NE(rendered.out.find("points_on_a_lamp"), std::string::npos) << rendered.out;
 }
 
 TEST(CommandLine, ZUp_ShowsATurnedModelAsYUpShowsIt) {

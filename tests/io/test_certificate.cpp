@@ -386,13 +386,13 @@ TEST(GapsOfOutput, LightBesideVertexColours_IsOne) {
   EXPECT_TRUE(gltf_output(plain, {.attribute = "_LIGHT"}).gaps.empty());
 }
 
-TEST(GapsOfOutput, Select_CutsNothingForThem) {
+TEST(GapsOfOutput, Select_GoesByTheLightAlone) {
   SceneFile file = textured_ball();
   file.scene.materials[0].base_color_texture = 0;
   const Selection selection = select_method(file.scene, {.output = ply_output(file.scene, {})});
-  ASSERT_EQ(selection.trials.size(), 3U);
+  ASSERT_EQ(selection.trials.size(), 4U);
   EXPECT_FALSE(selection.is_certified);
-  EXPECT_EQ(mesh_of(file.scene, selection.baked).n_triangles(), file.scene.mesh.n_triangles());
+  EXPECT_EQ(selection.trials[selection.chosen].method, BakeMethod::adaptive);
   for (const MethodTrial& trial : selection.trials) {
     EXPECT_TRUE(std::isinf(trial.max_bound));
     EXPECT_GE(trial.max_found, selection.trials[selection.chosen].max_found);

@@ -47,6 +47,21 @@ TEST_F(ObjMaterialsTest, DevicesThatAFileNames_AreNotRead) {
   EXPECT_EQ(count_of(file, "missing_material_files"), 1u);
 }
 
+// Without normals nothing else says which edges are sharp.
+TEST_F(ObjMaterialsTest, SmoothingThatIsNotRead_IsToldWhereThereAreNoNormals) {
+  const std::string vertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\n", normal = "vn 0 0 1\n";
+  const auto told = [&](const std::string& text) {
+    const SceneFile file = read("s.obj", vertices + text);
+    return std::make_pair(count_of(file, "flat_faces_not_kept"), count_of(file, "smoothing_groups_not_kept"));
+  };
+  EXPECT_EQ(told("f 1 2 3\ns off\nf 2 4 3\n"), std::make_pair(std::size_t{1}, std::size_t{0}));
+  EXPECT_EQ(told("s 0\nf 1 2 3\nf 2 4 3\n"), std::make_pair(std::size_t{2}, std::size_t{0}));
+  EXPECT_EQ(told("s 1\nf 1 2 3\ns 2\nf 2 4 3\n"), std::make_pair(std::size_t{0}, std::size_t{1}));
+  EXPECT_EQ(told("s 1\nf 1 2 3\ns 1\nf 2 4 3\n"), std::make_pair(std::size_t{0}, std::size_t{0}));
+  EXPECT_EQ(told(normal + "s off\nf 1//1 2//1 3//1\ns 2\nf 2//1 4//1 3//1\n"),
+            std::make_pair(std::size_t{0}, std::size_t{0}));
+}
+
 TEST_F(ObjMaterialsTest, Diffuse_BecomesBaseColorByFace) {
   write("a.mtl", "newmtl red one\nKd 1 0 0\nmap_Kd -s 1 1 missing.png\nnewmtl grey\nKd 0.5 0.5 0.5\n");
   const SceneFile file = read("a.obj",

@@ -32,6 +32,17 @@ TEST(LightShares, SunsOnAFlatFace_ShareByIntensityTimesCosine_WithoutError) {
   for (const LightShare& share : shares) EXPECT_NEAR(share.error, 0, 1e-9);
 }
 
+TEST(LightShares, UnlitFaces_TakeNone) {
+  Scene scene = square({sun({0, 0, 1}, 1), sun({1, 0, 0}, 1)});
+  scene.materials.resize(2);
+  scene.materials[1].is_unlit = true;
+  scene.mesh.positions.insert(scene.mesh.positions.end(), {{0, 0, 0}, {0, 9, 0}, {0, 0, 9}});
+  scene.mesh.normals.insert(scene.mesh.normals.end(), 3, {1, 0, 0});
+  scene.mesh.triangles.push_back({4, 5, 6});
+  scene.mesh.materials = {0, 0, 1};
+  EXPECT_EQ(light_shares(scene)[1].light, 0);
+}
+
 TEST(LightShares, LampOverAFace_HasTheError_NotTheSun) {
   Light lamp;
   lamp.type = LightType::point;

@@ -34,10 +34,6 @@ constexpr std::size_t triangles_per_block = 256;
 constexpr std::size_t rows_per_block = SparseMatrix::rows_per_block;
 constexpr float LinearRgb::*channels[] = {&LinearRgb::r, &LinearRgb::g, &LinearRgb::b};
 
-/// Light beyond counts as this: what is brighter by many powers of ten would leave waves in colours far
-/// around.
-constexpr double brightest_light = 1e4;
-
 /// Quarters parts whose normals turn by more than 45 degrees, as they are interpolated linearly, some times.
 void quarter_bent_parts(const Patch& patch, std::vector<glm::dmat3>& parts) {
   constexpr int max_depth = 4;
@@ -76,17 +72,11 @@ glm::dmat3 moments(const Patch& patch, const std::vector<Light>& all) {
     const double share = std::abs(glm::determinant(part));
     for (const QuadratureNode& node : quadrature_5) {
       const glm::dvec3 b = part * node.b;
-      const glm::dvec3 light =
-          glm::min(reference_at(patch, all, lights, false, b), glm::dvec3(brightest_light));
+      const glm::dvec3 light = reference_at(patch, all, lights, false, b);
       for (int i = 0; i < 3; ++i) sum[i] += node.weight * share * b[i] * light;
     }
   }
   return sum;
-}
-
-/// To start from. @param sample  of a channel; not finite on a lamp.
-float guess(float sample) {
-  return std::isfinite(sample) ? std::min(sample, static_cast<float>(brightest_light)) : 0;
 }
 
 /// What colours may be.
@@ -94,13 +84,43 @@ struct Bounds {
   /// By channel and unknown, where a colour stays so: the light is at the vertex and, in the mean, around it.
   std::array<std::vector<bool>, 3> is_below_1;
   double brightest = 0;
+  /// Light beyond counts as this, 1,000 times white or the median: what is brighter by many powers of ten
+  /// would leave waves in the colours far around.
+  double most = 0;
 
+  /// To start from. @param sample  of a channel; not finite on a lamp.
+  float guess(float sample) const {
+    return std::isfinite(sample) ? std::min(sample, static_cast<float>(most)) : 0;
+  }
   /// The step of a colour that counts as none: far below what a file or a screen shows.
   double resolution() const { return 1e-7 * std::min(1.0, brightest); }
 };
 
 /// By channel and unknown ∫ b_i D⊗E dA, divided by the root of the diagonal.
 using RightSide = std::array<std::vector<float>, 3>;
+
+/// Of the mean light around the unknowns, which it limits.
+void set_bounds(const std::vector<double>& masses, std::array<std::vector<double>, 3>& integrals,
+                Bounds& bounds) {
+  const std::size_t n = masses.size();
+  std::vector<float> means;
+  means.reserve(n);
+  for (std::size_t u = 0; u < n; ++u)
+    means.push_back(static_cast<float>(
+        std::min(1e30, std::max({integrals[0][u], integrals[1][u], integrals[2][u]}) / masses[u])));
+  const auto middle = means.begin() + static_cast<std::ptrdiff_t>(means.size() / 2);
+  if (!means.empty()) std::nth_element(means.begin(), middle, means.end());
+  bounds.most = 1e3 * std::max(1.0f, means.empty() ? 0 : *middle);
+  for (int c = 0; c < 3; ++c) {
+    bounds.is_below_1[c].resize(n);
+    for (std::size_t u = 0; u < n; ++u) {
+      double& integral = integrals[c][u];
+      integral = std::min(integral, bounds.most * masses[u]);
+      bounds.is_below_1[c][u] = integral <= masses[u];
+      bounds.brightest = std::max(bounds.brightest, integral / masses[u]);
+    }
+  }
+}
 
 /// @param bounds  takes what the mean light around the unknowns says.
 RightSide right_side(const Scene& scene, const Unknowns& unknowns, const SparseMatrix& matrix,
@@ -131,14 +151,7 @@ RightSide right_side(const Scene& scene, const Unknowns& unknowns, const SparseM
       }
     }
   }
-  for (int c = 0; c < 3; ++c) {
-    bounds.is_below_1[c].resize(unknowns.count);
-    for (std::size_t u = 0; u < unknowns.count; ++u) {
-      const double mean = integrals[c][u] / masses[u];
-      bounds.is_below_1[c][u] = mean <= 1;
-      if (std::isfinite(mean)) bounds.brightest = std::max(bounds.brightest, mean);
-    }
-  }
+  set_bounds(masses, integrals, bounds);
   masses = std::vector<double>();
   RightSide right;
   for (int c = 0; c < 3; ++c) {
@@ -153,7 +166,7 @@ void add_samples(const Unknowns& unknowns, const std::vector<LinearRgb>& samples
   for (int c = 0; c < 3; ++c)
     for (std::size_t v = 0; v < samples.size(); ++v) {
       if (unknowns.of[v] == none) continue;
-      const float sample = guess(samples[v].*channels[c]);
+      const float sample = bounds.guess(samples[v].*channels[c]);
       if (sample > 1) bounds.is_below_1[c][unknowns.of[v]] = false;
       bounds.brightest = std::max<double>(bounds.brightest, sample);
     }
@@ -301,7 +314,7 @@ BakedColors bake_least_squares(const Scene& scene, const BakeOptions& options) {
     Iterate start{.residual = std::move(right[c]), .direction = std::vector<float>(unknowns.count)};
     for (std::size_t v = 0; v < mesh.n_vertices(); ++v) {
       const std::uint32_t u = unknowns.of[v];
-      if (u != none) start.direction[u] = guess(baked.colors[v].*channels[c]) * matrix.roots[u];
+      if (u != none) start.direction[u] = bounds.guess(baked.colors[v].*channels[c]) * matrix.roots[u];
     }
     const std::vector<float> x =
         solve(matrix, spectrum_of(options.gradient_weight), bounds, c, std::move(start), is_unsettled);

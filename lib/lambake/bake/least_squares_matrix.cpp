@@ -215,14 +215,13 @@ Unknowns find_unknowns(const Scene& scene) {
   unknowns.takes_part.assign(mesh.n_triangles(), false);
   ValueNumbers<9> numbers;
   numbers.reserve(mesh.n_vertices());
-  double largest_area = 0;
   for (std::size_t f = 0; f < mesh.n_triangles(); ++f) {
     const Material& material = scene.materials[mesh.material_of(f)];
     if (material.is_unlit) continue;
     const double area = weight_of(material) * area_of(patch_of(mesh, f));
     if (!(area > 0)) continue;
     unknowns.takes_part[f] = true;
-    largest_area = std::max(largest_area, area);
+    unknowns.unit_area = std::max(unknowns.unit_area, area);
     for (int c = 0; c < 3; ++c) {
       const std::uint32_t v = mesh.triangles[f][c];
       if (unknowns.of[v] != none) continue;
@@ -233,7 +232,6 @@ Unknowns find_unknowns(const Scene& scene) {
     }
   }
   unknowns.count = numbers.size();
-  unknowns.unit_area = 1e-30 * largest_area;
   if (is_scattered(mesh, unknowns)) number_by_place(mesh, unknowns);
   return unknowns;
 }

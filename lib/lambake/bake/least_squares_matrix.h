@@ -40,8 +40,7 @@ struct Unknowns {
   /// not show; none where no triangle takes part.
   std::vector<std::uint32_t> of;
   std::vector<bool> takes_part;  ///< F: it is lit and has an area.
-  /// A small part of the largest weighted area, so that the roots of all others are in float's range.
-  double unit_area = 0;
+  double unit_area = 0;          ///< The largest weighted area.
   std::size_t count = 0;
 };
 

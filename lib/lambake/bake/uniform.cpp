@@ -30,7 +30,7 @@ std::vector<CutMark> middles_of_edges(const CutMesh& cut) {
 }  // namespace
 
 BakedColors bake_uniform(const Scene& scene, const BakeOptions& options) {
-  constexpr std::size_t most_triangles = std::size_t{1} << 30;
+  constexpr std::size_t most_triangles = std::size_t{1} << 27;  // Some 12 GB while they are made.
   if (options.levels < 0 || options.levels > 15 ||
       scene.mesh.n_triangles() > most_triangles >> (2 * options.levels))
     throw InvalidOption(fmt::format("bake: expected levels that make at most {} triangles, found {} levels",

@@ -219,8 +219,10 @@ class ObjScan {
     if (!texcoords_.empty()) file_.texcoords.assign(n_vertices_, glm::vec2(0));
     if (!normals_.empty()) file_.normals.assign(n_vertices_, glm::vec3(0));
     face_rows_.reserve(16 * n_face_lines_);  // Of triangles.
-    std::size_t n_unknown = 0;
+    std::size_t n_unknown = 0, n_flat = 0;
     std::uint32_t material = 0;
+    bool is_flat = false, has_groups = false;
+    std::string smoothing_group;
     const auto skip_comments = [](std::string_view) {};
     for_each_line(skip_comments, [&](TextCursor& cursor, std::string_view keyword) {
       if (keyword == "v") {
@@ -231,20 +233,36 @@ class ObjScan {
         ++n_seen_[2];
       } else if (keyword == "f" || keyword == "fo") {
         if (file_.materials.empty()) material = materials_.use("");
+        n_flat += is_flat;
         scan_face(cursor, material);
       } else if (keyword == "usemtl") {
         material = materials_.use(std::string(cursor.rest_of_line()));
       } else if (keyword == (has_objects_ ? "o" : "g")) {
         object_ = none;
         object_name_ = std::string(cursor.rest_of_line());
+      } else if (keyword == "s") {
+        const std::string_view group = cursor.rest_of_line();
+        is_flat = group == "off" || group == "0";
+        if (!is_flat && smoothing_group.empty()) smoothing_group = group;
+        has_groups |= !is_flat && group != smoothing_group;
       } else if (keyword == "l" || keyword == "p") {
         ++n_lines_and_points_;
       } else {
-        constexpr std::string_view ignored[] = {"vc", "vp",  "g",      "o",      "s",
-                                                "mg", "lod", "usemap", "maplib", "mtllib"};
+        constexpr std::string_view ignored[] = {"vc",  "vp",     "g",      "o",     "mg",
+                                                "lod", "usemap", "maplib", "mtllib"};
         n_unknown += std::find(std::begin(ignored), std::end(ignored), keyword) == std::end(ignored);
       }
     });
+    // With normals they have nothing to say.
+    if (normals_.empty()) {
+      add_finding(
+          file_.findings, "flat_faces_not_kept", n_flat,
+          "face[ is|s are] to be flat (\"s off\"), which is not read; what is smooth is told by angles "
+          "(--crease-angle-deg)");
+      add_finding(file_.findings, "smoothing_groups_not_kept", has_groups ? 1 : 0,
+                  "file has smoothing groups, which are not read; what is smooth is told by angles "
+                  "(--crease-angle-deg)");
+    }
     add_finding(file_.findings, "unknown_lines", n_unknown,
                 "line[ has|s have] a keyword that is not read; left out");
     constexpr std::size_t most_objects = 10'000;

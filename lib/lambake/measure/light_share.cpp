@@ -54,6 +54,7 @@ std::vector<LightShare> light_shares(const Scene& scene) {
       const Light& light = scene.lights[i];
       const double brightness = double(light.intensity.r) + light.intensity.g + light.intensity.b;
       for (std::size_t f = 0; f < n_triangles; f += stride) {
+        if (scene.materials[mesh.material_of(f)].is_unlit) continue;
         const glm::uvec3& t = mesh.triangles[f];
         glm::dmat3 p, n;
         for (int c = 0; c < 3; ++c) p[c] = mesh.positions[t[c]], n[c] = mesh.normals[t[c]];

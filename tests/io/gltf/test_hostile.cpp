@@ -48,6 +48,15 @@ TEST(HostileGltf, SoundTriangle_IsRead) {
   EXPECT_EQ(outcome_of(triangle().dump()), std::make_pair(std::string(), 0));
 }
 
+TEST(HostileGltf, GlbThatIsNone_SaysWhatItBeginsWith) {
+  const auto message = [](const std::string& text) { return outcome_of(text, "bad.glb").first; };
+  EXPECT_NE(message("version https://git-lfs.github.com/spec/v1\n")
+                .find("expected \"glTF\" or JSON, found \"vers\""),
+            std::string::npos);
+  EXPECT_NE(message("\xff\xd8\xff\xe0").find("found the bytes ff d8 ff e0"), std::string::npos);
+  EXPECT_EQ(message(" " + triangle().dump()), "");
+}
+
 TEST(HostileGltf, EachSpoiltPart_IsRefusedInOneLineThatNamesIt) {
   const std::vector<Case> cases{
       {"attribute of another count",

@@ -7,9 +7,11 @@
 #include <array>
 #include <cstring>
 #include <filesystem>
+#include <span>
 #include <string_view>
 
 #include "lambake/core/error.h"
+#include "lambake/io/file_extension.h"
 #include "lambake/io/gltf/parse.h"
 #include "lambake/io/gltf/types.h"
 #include "lambake/io/input_file.h"
@@ -155,6 +157,24 @@ std::vector<unsigned char> read_buffer(const GltfSource& source, std::size_t ind
   return bytes;
 }
 
+/// Behind white space and a byte order mark.
+bool begins_json(const std::vector<unsigned char>& bytes) {
+  constexpr std::string_view before = " \t\r\n\xEF\xBB\xBF";
+  const auto begin = std::find_if(bytes.begin(), bytes.end(), [&](unsigned char byte) {
+    return before.find(static_cast<char>(byte)) == std::string_view::npos;
+  });
+  return begin != bytes.end() && *begin == '{';
+}
+
+/// Its first four bytes, for people.
+std::string beginning_of(const std::vector<unsigned char>& bytes) {
+  const std::span<const unsigned char> first(bytes.data(), std::min<std::size_t>(4, bytes.size()));
+  if (first.empty()) return "nothing";
+  if (std::all_of(first.begin(), first.end(), [](unsigned char byte) { return byte >= ' ' && byte < 127; }))
+    return fmt::format("\"{}\"", std::string(first.begin(), first.end()));
+  return fmt::format("the bytes {:02x}", fmt::join(first, " "));
+}
+
 }  // namespace
 
 bool is_known_extension(const std::string& name) {
@@ -201,6 +221,8 @@ GltfSource read_gltf_source(const std::string& path) {
   GltfSource source;
   source.path = path;
   source.is_glb = bytes.size() >= 4 && std::memcmp(bytes.data(), "glTF", 4) == 0;
+  if (!source.is_glb && file_extension(path) == "glb" && !begins_json(bytes))
+    throw IoError(path, fmt::format("byte 0: expected \"glTF\" or JSON, found {}", beginning_of(bytes)));
   const GlbChunks chunks = source.is_glb ? split_glb(bytes, path) : GlbChunks{bytes, {}};
   source.json = parse_gltf_json(chunks.json, path);
   if (!source.json.is_object()) throw IoError(path, "expected a JSON object");
