@@ -34,28 +34,29 @@ constexpr std::size_t triangles_per_block = 256;
 constexpr std::size_t rows_per_block = SparseMatrix::rows_per_block;
 constexpr float LinearRgb::*channels[] = {&LinearRgb::r, &LinearRgb::g, &LinearRgb::b};
 
-/// Quarters parts whose normals turn by more than 45 degrees, as they are interpolated linearly, some times.
+/// Whether normals, which are interpolated linearly, turn by more than 45 degrees in a part.
+bool is_bent(const Patch& patch, const glm::dmat3& part) {
+  const glm::dmat3 n = patch.normals * part;
+  for (int i = 0; i < 3; ++i) {
+    const glm::dvec3 &a = n[i], &b = n[(i + 1) % 3];
+    const double cosine = glm::dot(a, b);
+    if (!(cosine > 0 && 2 * cosine * cosine >= glm::dot(a, a) * glm::dot(b, b))) return true;
+  }
+  return false;
+}
+
+/// Quarters bent parts, and what is left of them, a few times.
 void quarter_bent_parts(const Patch& patch, std::vector<glm::dmat3>& parts) {
   constexpr int max_depth = 4;
-  std::vector<glm::dmat3> flat, next;
-  for (int depth = 0; depth < max_depth && !parts.empty(); ++depth) {
-    next.clear();
-    for (const glm::dmat3& part : parts) {
-      const glm::dmat3 n = patch.normals * part;
-      bool is_bent = false;
-      for (int i = 0; i < 3; ++i) {
-        const glm::dvec3 &a = n[i], &b = n[(i + 1) % 3];
-        const double cosine = glm::dot(a, b);
-        is_bent = is_bent || !(cosine > 0 && 2 * cosine * cosine >= glm::dot(a, a) * glm::dot(b, b));
-      }
-      if (!is_bent)
-        flat.push_back(part);
-      else
-        for (const glm::dmat3& quarter : quarters(part)) next.push_back(quarter);
-    }
-    parts.swap(next);
+  for (int depth = 0; depth < max_depth; ++depth) {
+    const auto bent = std::partition(parts.begin(), parts.end(),
+                                     [&](const glm::dmat3& part) { return !is_bent(patch, part); });
+    if (bent == parts.end()) return;
+    const std::vector<glm::dmat3> wholes(bent, parts.end());
+    parts.erase(bent, parts.end());
+    for (const glm::dmat3& whole : wholes)
+      for (const glm::dmat3& quarter : quarters(whole)) parts.push_back(quarter);
   }
-  parts.insert(parts.end(), flat.begin(), flat.end());
 }
 
 /// ∫ b_i D⊗E dA / A over a triangle, column i for corner i: cut apart along the terminators and where light
@@ -115,7 +116,7 @@ void set_bounds(const std::vector<double>& masses, std::array<std::vector<double
     bounds.is_below_1[c].resize(n);
     for (std::size_t u = 0; u < n; ++u) {
       double& integral = integrals[c][u];
-      integral = std::min(integral, bounds.most * masses[u]);
+      integral = std::min(bounds.most * masses[u], integral);  // Where it is no number, the most.
       bounds.is_below_1[c][u] = integral <= masses[u];
       bounds.brightest = std::max(bounds.brightest, integral / masses[u]);
     }
