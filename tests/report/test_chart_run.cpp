@@ -193,6 +193,47 @@ TEST(ChartReport, Page_SaysWhenABakeHasPaid) {
   EXPECT_NE(chart_page(slow).find("after 5"), std::string::npos);
 }
 
+TEST(ChartReport, WhatPaysIsWhatTheVerdictNames) {
+  ChartRun run = small_run();
+  run.verdict = "face suffices", run.chosen_method = run.methods[0].method;
+  run.methods[0].all_threads = seconds(0.0099);
+  EXPECT_NE(chart_page(run).find("Baking by " + run.methods[0].method + " takes 9.9 ms"), std::string::npos);
+  EXPECT_NE(chart_page(run).find("after 5"), std::string::npos);
+}
+
+TEST(ChartReport, WithoutAnyBoundOrPicture_NothingIsShownOfThem) {
+  ChartRun run = small_run();
+  EXPECT_NE(chart_page(run).find("id=\"bound\""), std::string::npos);
+  EXPECT_NE(chart_page(run).find("At 0:"), std::string::npos);
+  for (MethodRun& m : run.methods) m.max_bound = std::numeric_limits<double>::infinity();
+  run.frames.clear();
+  EXPECT_EQ(chart_page(run).find("id=\"bound\""), std::string::npos);
+  EXPECT_EQ(chart_page(run).find("At 0:"), std::string::npos);
+}
+
+// So that two charts beside each other can be read together.
+TEST(ChartReport, AMethod_HasOneColourAndShapeInEveryChart) {
+  const auto kind_of = [](const ChartRun& run, const std::string& name) {
+    for (const ChartSeries& series : speed_chart(run).series)
+      if (series.name == name) return series.kind;
+    return std::optional<std::size_t>();
+  };
+  ChartRun run = small_run();
+  const auto before = kind_of(run, "sample");
+  ASSERT_TRUE(before);
+  std::reverse(run.methods.begin(), run.methods.end());
+  EXPECT_EQ(kind_of(run, "sample"), before);
+}
+
+TEST(ChartReport, WhatRoundingLeavesOfAnError_DoesNotStretchTheAxis) {
+  ChartRun run = small_run();
+  run.methods[0].rmse = 1e-14;
+  bool is_at_0 = false;
+  for (const ChartSeries& series : speed_chart(run).series)
+    for (const ChartPoint& p : series.points) is_at_0 |= series.is_compared && p.y == 0;
+  EXPECT_TRUE(is_at_0);
+}
+
 TEST(ChartReport, WhatAutoTook_IsNamedAndRinged) {
   ChartRun run = small_run();
   EXPECT_EQ(chart_svg(speed_chart(run), 800, 500, true).find("<circle class=\"ring\""), std::string::npos);
