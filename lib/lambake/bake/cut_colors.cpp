@@ -136,12 +136,10 @@ void CutColors::move(std::size_t v) {
 }
 
 double CutColors::loss(const Material& material, const LinearRgb& color, const LinearRgb& stored) const {
-  const bool has_texture =
-      material.base_color_texture != no_texture || material.emission_texture != no_texture;
   const auto of_channel = [&](double was, double is, double base, double emission) {
     if (options_.tolerance_space == ErrorSpace::linear) return std::abs(was - is);
     // Behind a texture what is above 1 may still be seen.
-    if (has_texture) return std::abs(srgb_encode(base * was) - srgb_encode(base * is));
+    if (has_texture(material)) return std::abs(srgb_encode(base * was) - srgb_encode(base * is));
     return std::abs(compared(emission + base * was, ErrorSpace::display) -
                     compared(emission + base * is, ErrorSpace::display));
   };

@@ -9,7 +9,7 @@
 
 #include "lambake/core/bounds.h"
 
-/// Points in ranges that lie near each other and face alike; internal to the folder.
+/// Points in ranges that lie near each other and face alike.
 namespace lambake {
 
 struct KeyedPoint {
