@@ -64,9 +64,8 @@ std::string verdict(const Selection& selection, const BakeOptions& options, std:
         count, steps(best.max_bound), asked, cure);
   if (2 * count_of(selection.baked, "triangles_without_direction") > n_open)
     return fmt::format(
-        "not decided: {} vertices leave errors up to {} where {} is asked, but mostly where normals cancel, "
-        "so "
-        "that light per pixel has no direction either; --crease-angle-deg parts them",
+        "not decided: {} vertices leave errors up to {} where {} is asked, but mostly where normals cancel "
+        "and light per pixel has no direction either; --crease-angle-deg parts them",
         count, steps(best.max_bound), asked);
   const std::string left = std::isfinite(best.max_bound)
                                ? fmt::format("errors up to {}", steps(best.max_bound))
