@@ -117,6 +117,34 @@ TEST(NormalSums, LargeSliversOutsideTheSample_AsInDouble) {
     EXPECT_LT(worst_difference(mesh, weight), 4e-7) << static_cast<int>(weight);
 }
 
+/// A height field of several windows of vertices, whose faces are in order but for some that name vertices
+/// far away, and for some that are the reverse of others, so that sums nearly cancel.
+Mesh mostly_in_order() {
+  Mesh mesh = height_field(400);
+  const auto n = static_cast<std::uint32_t>(mesh.n_vertices());
+  const std::vector<glm::uvec3> faces = mesh.triangles;
+  const auto insert = [&](std::size_t at, const glm::uvec3& face) {
+    mesh.triangles.insert(mesh.triangles.begin() + static_cast<std::ptrdiff_t>(at), face);
+  };
+  // Two in the same chunk, so that it meets the same windows twice.
+  for (std::uint32_t i = 0; i < 9; ++i)
+    for (std::uint32_t k = 0; k < 2; ++k)
+      insert(30003 * (i + 1) + 100, {31 + 977 * i + k, n - 1 - 12345 * i - k, n / 2 + 701 * i + k});
+  for (const std::uint32_t v : {7000U, 70007U, 150001U})
+    for (std::size_t f = 0, n_reversed = 0; f < faces.size() && n_reversed < 5; ++f)
+      if (const glm::uvec3& t = faces[f]; t.x == v || t.y == v || t.z == v) {
+        insert(2 * v + 50, {t.x, t.z, t.y});
+        ++n_reversed;
+      }
+  return mesh;
+}
+
+TEST(NormalSums, FacesThatReachFar_AsInDouble) {
+  const Mesh mesh = mostly_in_order();
+  for (const NormalWeight weight : every_weight)
+    EXPECT_LT(worst_difference(mesh, weight), 4e-7) << static_cast<int>(weight);
+}
+
 /// n triangles around a lopsided tip, vertex 0.
 Mesh needles(std::uint32_t n) {
   Random random;
@@ -155,7 +183,7 @@ Mesh shuffled() {
 
 TEST(NormalSums, AnyNumberOfThreads_SameBits_HoweverVerticesAreNumbered) {
   // All faces of the needles add to one vertex.
-  for (const Mesh& mesh : {shuffled(), needles(200000)}) {
+  for (const Mesh& mesh : {shuffled(), mostly_in_order(), needles(200000)}) {
     set_thread_count(1);
     const VertexNormals one = vertex_normals(mesh, NormalWeight::angle);
     set_thread_count(0);

@@ -17,6 +17,7 @@
 #include <numbers>
 
 #include "lambake/geometry/normal_sums.h"
+#include "lambake/geometry/transpose-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace lambake::HWY_NAMESPACE {
@@ -58,8 +59,6 @@ constexpr bool has_one_share(NormalWeight weight) {
   return weight == NormalWeight::area || weight == NormalWeight::uniform;
 }
 
-using Floats = hn::CappedTag<float, 8>;
-using F = hn::Vec<Floats>;
 // As many floats as there are doubles in a vector, so that the two go side by side.
 using Doubles = hn::CappedTag<double, 8>;
 using FewFloats = hn::Rebind<float, Doubles>;
@@ -98,9 +97,20 @@ HWY_INLINE F position_of(const glm::vec3* positions, std::uint32_t v) {
   return hn::LoadDup128(Floats(), &positions[v].x);
 }
 
-/// x, y, z of one vertex, and what comes after; where there are eight lanes, of the same corner of the next
-/// face in the upper four.
+/// x, y, z of one vertex, and what comes after, in each quarter of a vector: of the same corner of one face
+/// and of those behind it.
 HWY_INLINE F row_of(const glm::vec3* positions, const std::uint32_t* v) {
+#if HWY_MAX_BYTES >= 64
+  if constexpr (hn::MaxLanes(Floats()) == 16) {
+    const hn::Half<Floats> half;
+    const auto two = [&](const std::uint32_t* u) HWY_ATTR {
+      const hn::Half<decltype(half)> quarter;
+      return hn::Combine(half, hn::LoadU(quarter, &positions[u[3]].x),
+                         hn::LoadU(quarter, &positions[u[0]].x));
+    };
+    return hn::Combine(Floats(), two(v + 6), two(v));
+  }
+#endif
 #if HWY_MAX_BYTES >= 32
   if constexpr (hn::MaxLanes(Floats()) == 8)
     return hn::ConcatUpperLower(Floats(), position_of(positions, v[3]), position_of(positions, v[0]));
@@ -108,47 +118,35 @@ HWY_INLINE F row_of(const glm::vec3* positions, const std::uint32_t* v) {
   return position_of(positions, v[0]);
 }
 
-/// The positions of one corner of as many faces as a vector has lanes: of eight faces the even ones come
-/// first, then the odd ones, so that neither this nor store_rows() moves anything between the halves of
-/// vectors. Reads 16 bytes of each.
+/// The positions of one corner of as many faces as a vector has lanes, in the order of transposed(). Reads 16
+/// bytes of each.
 /// @param v  the corner of the first face; that of the next is three numbers on.
 HWY_INLINE F3 load_corners(const glm::vec3* positions, const std::uint32_t* v) {
-  const Floats f;
 #if HWY_TARGET == HWY_SCALAR
+  const Floats f;
   const glm::vec3& p = positions[*v];
   return {hn::Set(f, p.x), hn::Set(f, p.y), hn::Set(f, p.z)};
 #else
-  const hn::RepartitionToWide<Floats> pairs;
-  constexpr std::size_t step = 3 * (hn::MaxLanes(Floats()) / 4);  // A row is of one face or of two.
-  const F r0 = row_of(positions, v), r1 = row_of(positions, v + step), r2 = row_of(positions, v + 2 * step),
-          r3 = row_of(positions, v + 3 * step);
-  const auto low01 = hn::BitCast(pairs, hn::InterleaveLower(f, r0, r1)),
-             low23 = hn::BitCast(pairs, hn::InterleaveLower(f, r2, r3)),
-             high01 = hn::BitCast(pairs, hn::InterleaveUpper(f, r0, r1)),
-             high23 = hn::BitCast(pairs, hn::InterleaveUpper(f, r2, r3));
-  return {hn::BitCast(f, hn::InterleaveLower(pairs, low01, low23)),
-          hn::BitCast(f, hn::InterleaveUpper(pairs, low01, low23)),
-          hn::BitCast(f, hn::InterleaveLower(pairs, high01, high23))};
+  constexpr std::size_t step = 3 * (hn::MaxLanes(Floats()) / 4);  // A row is of one, two or four faces.
+  const FourVectors corners = transposed({row_of(positions, v), row_of(positions, v + step),
+                                          row_of(positions, v + 2 * step), row_of(positions, v + 3 * step)});
+  return {corners.a, corners.b, corners.c};
 #endif
 }
 
-/// The way back from load_corners(): four numbers of each face, in the order of the faces.
-HWY_INLINE void store_rows(const F3& a, F b, float* rows) {
+/// Four numbers of each face, in the order of the faces.
+HWY_INLINE void store_rows(const F3& v, F last, float* rows) {
 #if HWY_TARGET == HWY_SCALAR
-  rows[0] = hn::GetLane(a.x), rows[1] = hn::GetLane(a.y), rows[2] = hn::GetLane(a.z),
-  rows[3] = hn::GetLane(b);
+  rows[0] = hn::GetLane(v.x), rows[1] = hn::GetLane(v.y), rows[2] = hn::GetLane(v.z),
+  rows[3] = hn::GetLane(last);
 #else
   const Floats f;
-  const hn::RepartitionToWide<Floats> pairs;
-  const auto low_xy = hn::BitCast(pairs, hn::InterleaveLower(f, a.x, a.y)),
-             low_zb = hn::BitCast(pairs, hn::InterleaveLower(f, a.z, b)),
-             high_xy = hn::BitCast(pairs, hn::InterleaveUpper(f, a.x, a.y)),
-             high_zb = hn::BitCast(pairs, hn::InterleaveUpper(f, a.z, b));
+  const FourVectors row = transposed({v.x, v.y, v.z, last});
   const std::size_t n = hn::Lanes(f);
-  hn::Store(hn::BitCast(f, hn::InterleaveLower(pairs, low_xy, low_zb)), f, rows);
-  hn::Store(hn::BitCast(f, hn::InterleaveUpper(pairs, low_xy, low_zb)), f, rows + n);
-  hn::Store(hn::BitCast(f, hn::InterleaveLower(pairs, high_xy, high_zb)), f, rows + 2 * n);
-  hn::Store(hn::BitCast(f, hn::InterleaveUpper(pairs, high_xy, high_zb)), f, rows + 3 * n);
+  hn::Store(row.a, f, rows);
+  hn::Store(row.b, f, rows + n);
+  hn::Store(row.c, f, rows + 2 * n);
+  hn::Store(row.d, f, rows + 3 * n);
 #endif
 }
 

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
+#include <limits>
+#include <type_traits>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "lambake/geometry/normal_sums.cpp"
+#include <hwy/cache_control.h>
 #include <hwy/foreach_target.h>  // compiles the part below once per vector path
 #include <hwy/highway.h>
 
@@ -66,103 +68,134 @@ namespace lambake::HWY_NAMESPACE {
 namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Of the `n` faces, from the one at `first` on, up to a block of those that have a corner in the window.
-/// @param first  moves behind the last one looked at. @returns how many there are in `block`.
-HWY_INLINE std::size_t select_faces(const glm::uvec3* triangles, std::size_t n, const NormalWindow& window,
-                                    std::size_t& first, glm::uvec3* block) {
-  std::size_t n_selected = 0;
-  for (; first < n && n_selected < n_in_block; ++first) {
-    const glm::uvec3& t = triangles[first];
-    const std::uint32_t nearest =
-        std::min({place_in(window, t[0]), place_in(window, t[1]), place_in(window, t[2])});
-    block[n_selected] = t;
-    n_selected += nearest < window.sums.size();
+IndexRange range_of(const std::uint32_t* indices, std::size_t n) {
+  const hn::ScalableTag<std::uint32_t> u;
+  auto least = hn::Set(u, indices[0]), greatest = least;
+  std::size_t i = 0;
+  for (; i + hn::Lanes(u) <= n; i += hn::Lanes(u)) {
+    const auto here = hn::LoadU(u, indices + i);
+    least = hn::Min(least, here);
+    greatest = hn::Max(greatest, here);
   }
-  return n_selected;
+  IndexRange range{hn::GetLane(hn::MinOfLanes(u, least)), hn::GetLane(hn::MaxOfLanes(u, greatest))};
+  for (; i < n; ++i) {
+    range.first = std::min(range.first, indices[i]);
+    range.last = std::max(range.last, indices[i]);
+  }
+  return range;
 }
 
-/// @tparam is_whole  every corner of the faces is in the window. @tparam is_grouped  there is `group_of`.
-/// @param has_next   behind the positions of the faces' corners there are others.
-template <NormalWeight weight, bool is_whole, bool is_grouped>
-void add_all(const glm::vec3* positions, const glm::uvec3* triangles, std::size_t n,
-             const NormalWindow& window, bool has_next) {
+/// How many faces ahead memory is asked for them.
+constexpr std::size_t n_ahead = 4 * n_in_block;
+constexpr std::size_t cache_line = 16;  // In numbers of 4 bytes.
+
+/// Up to a block of faces, filled up with the last one.
+struct Selection {
+  glm::uvec3 faces[n_in_block], groups[n_in_block];
+
+  void fill_up(std::size_t n) {
+    for (std::size_t i = n; i < n_in_block; ++i) faces[i] = faces[n - 1];
+  }
+};
+
+/// @returns the range of the groups that the faces name.
+template <NormalWeight weight, bool is_grouped>
+IndexRange add_all(const glm::vec3* positions, std::size_t n_positions, const glm::uvec3* triangles,
+                   std::size_t n, const NormalWindow& window) {
   Block block;
-  glm::uvec3 selected[n_in_block];
+  Selection selection;
   CopiedFaces copied;
+  glm::uvec3 group_numbers[is_grouped ? n_in_block : 1];
   // Copies: the sums might overwrite what `window` refers to, for all that the compiler knows.
   const std::uint32_t* const group_of = window.group_of.data();
   NormalSum* const sums = window.sums.data();
   const std::size_t first_group = window.first;
   const std::size_t n_sums = window.sums.size();
   const float per_unit = 1 / window.unit;
-  for (std::size_t first = 0; first < n;) {
-    const glm::uvec3* faces = selected;
-    std::size_t n_here;
-    if constexpr (is_whole) {
-      faces = triangles + first;
-      n_here = std::min(n_in_block, n - first);
-      first += n_here;
-    } else {
-      n_here = select_faces(triangles, n, window, first, selected);
+  IndexRange of_all = {std::numeric_limits<std::uint32_t>::max(), 0};
+  for (std::size_t first = 0; first < n; first += n_in_block) {
+    const glm::uvec3 *faces = triangles + first, *groups = faces;
+    std::size_t n_here = std::min(n_in_block, n - first);
+    for (std::size_t i = 0; i < 3 * n_in_block; i += cache_line) hwy::Prefetch(&faces->x + 3 * n_ahead + i);
+    const IndexRange vertices = range_of(&faces->x, 3 * n_here);
+    IndexRange named = vertices;
+    if constexpr (is_grouped) {
+      for (std::size_t i = 0; i < n_here; ++i)
+        group_numbers[i] = {group_of[faces[i].x], group_of[faces[i].y], group_of[faces[i].z]};
+      groups = group_numbers;
+      named = range_of(&groups->x, 3 * n_here);
     }
-    if (n_here == 0) break;
+    of_all = {std::min(of_all.first, named.first), std::max(of_all.last, named.last)};
+    if (named.last < first_group || named.first >= first_group + n_sums) continue;
+    const bool is_whole = named.first >= first_group && named.last < first_group + n_sums;
+    if (!is_whole || n_here < n_in_block) {
+      std::size_t n_selected = 0;
+      for (std::size_t i = 0; i < n_here; ++i) {
+        const glm::uvec3 g = groups[i];
+        selection.faces[n_selected] = faces[i], selection.groups[n_selected] = g;
+        n_selected += std::min({g.x - window.first, g.y - window.first, g.z - window.first}) < n_sums;
+      }
+      if (n_selected == 0) continue;
+      n_here = n_selected;
+      faces = selection.faces, groups = selection.groups;
+      selection.fill_up(n_here);
+    }
     bool are_sure;
-    if (has_next && n_here == n_in_block) {
+    if (vertices.last + std::size_t{1} < n_positions) {
       are_sure = compute<weight>(positions, faces, n_here, per_unit, block);
     } else {
       copied.copy(positions, faces, n_here);
       are_sure = compute<weight>(copied.positions, copied.faces, n_here, per_unit, block);
     }
-    const auto add = [&](std::uint32_t v, const Row& row) HWY_ATTR {
-      const std::size_t place = std::size_t{is_grouped ? group_of[v] : v} - first_group;
-      if (is_whole || place < n_sums) add_row(row, sums[place]);
-    };
-    const auto add_face = [&](std::size_t i) HWY_ATTR {
-      const glm::uvec3& t = faces[i];
+    const auto add_face = [&](std::size_t i, auto is_all) HWY_ATTR {
+      const auto add = [&](std::uint32_t group, const Row& row) HWY_ATTR {
+        const std::size_t place = std::size_t{group} - first_group;
+        if (is_all || place < n_sums) add_row(row, sums[place]);
+      };
+      const glm::uvec3& g = groups[i];
       const Row normal = load_row(block.normals + 4 * i);
       if constexpr (has_one_share(weight)) {
-        add(t.x, normal), add(t.y, normal), add(t.z, normal);
+        add(g.x, normal), add(g.y, normal), add(g.z, normal);
       } else {
         const Row weights = load_row(block.weights + 4 * i);
-        add(t.x, times_weight<0>(normal, weights));
-        add(t.y, times_weight<1>(normal, weights));
-        add(t.z, times_weight<2>(normal, weights));
+        add(g.x, times_weight<0>(normal, weights));
+        add(g.y, times_weight<1>(normal, weights));
+        add(g.z, times_weight<2>(normal, weights));
       }
     };
-    if (are_sure) {
-      for (std::size_t i = 0; i < n_here; ++i) add_face(i);
+    if (are_sure && is_whole) {
+      for (std::size_t i = 0; i < n_here; ++i) add_face(i, std::true_type());
     } else {
       for (std::size_t i = 0; i < n_here; ++i)
         if (std::isnan(block.normals[4 * i]))
           add_face_exactly(positions, faces[i], weight, nullptr, window);
         else
-          add_face(i);
+          add_face(i, std::false_type());
     }
   }
+  return of_all;
 }
 
 template <NormalWeight weight>
-void add_with(const glm::vec3* positions, const glm::uvec3* triangles, std::size_t n,
-              const NormalWindow& window, bool is_whole, bool has_next) {
-  const bool is_grouped = !window.group_of.empty();
-  const auto add = is_grouped ? is_whole ? add_all<weight, true, true> : add_all<weight, false, true>
-                   : is_whole ? add_all<weight, true, false>
-                              : add_all<weight, false, false>;
-  add(positions, triangles, n, window, has_next);
+IndexRange add_with(const glm::vec3* positions, std::size_t n_positions, const glm::uvec3* triangles,
+                    std::size_t n, const NormalWindow& window) {
+  const auto add = window.group_of.empty() ? add_all<weight, false> : add_all<weight, true>;
+  return add(positions, n_positions, triangles, n, window);
 }
 
-void add_faces_of(const glm::vec3* positions, const glm::uvec3* triangles, std::size_t n, NormalWeight weight,
-                  const NormalWindow& window, bool is_whole, bool has_next) {
+IndexRange add_faces_of(const glm::vec3* positions, std::size_t n_positions, const glm::uvec3* triangles,
+                        std::size_t n, NormalWeight weight, const NormalWindow& window) {
   switch (weight) {
     case NormalWeight::angle:
-      return add_with<NormalWeight::angle>(positions, triangles, n, window, is_whole, has_next);
+      return add_with<NormalWeight::angle>(positions, n_positions, triangles, n, window);
     case NormalWeight::area:
-      return add_with<NormalWeight::area>(positions, triangles, n, window, is_whole, has_next);
+      return add_with<NormalWeight::area>(positions, n_positions, triangles, n, window);
     case NormalWeight::uniform:
-      return add_with<NormalWeight::uniform>(positions, triangles, n, window, is_whole, has_next);
+      return add_with<NormalWeight::uniform>(positions, n_positions, triangles, n, window);
     case NormalWeight::max:
-      return add_with<NormalWeight::max>(positions, triangles, n, window, is_whole, has_next);
+      return add_with<NormalWeight::max>(positions, n_positions, triangles, n, window);
   }
+  return {};
 }
 
 bool have_area_of(const glm::vec3* positions, const glm::uvec3* triangles, std::size_t n_triangles) {
@@ -186,23 +219,6 @@ bool have_area_of(const glm::vec3* positions, const glm::uvec3* triangles, std::
   return true;
 }
 
-IndexRange range_of(const std::uint32_t* indices, std::size_t n) {
-  const hn::ScalableTag<std::uint32_t> u;
-  auto least = hn::Set(u, indices[0]), greatest = least;
-  std::size_t i = 0;
-  for (; i + hn::Lanes(u) <= n; i += hn::Lanes(u)) {
-    const auto here = hn::LoadU(u, indices + i);
-    least = hn::Min(least, here);
-    greatest = hn::Max(greatest, here);
-  }
-  IndexRange range{hn::GetLane(hn::MinOfLanes(u, least)), hn::GetLane(hn::MaxOfLanes(u, greatest))};
-  for (; i < n; ++i) {
-    range.first = std::min(range.first, indices[i]);
-    range.last = std::max(range.last, indices[i]);
-  }
-  return range;
-}
-
 }  // namespace
 }  // namespace lambake::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
@@ -216,7 +232,6 @@ static_assert(sizeof(glm::vec3) == 3 * sizeof(float) && sizeof(glm::uvec3) == 3 
 namespace {
 HWY_EXPORT(add_faces_of);
 HWY_EXPORT(have_area_of);
-HWY_EXPORT(range_of);
 }  // namespace
 
 glm::dvec3 area_vector(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
@@ -231,23 +246,10 @@ bool have_area(std::span<const glm::vec3> positions, std::span<const glm::uvec3>
   return HWY_DYNAMIC_DISPATCH(have_area_of)(positions.data(), triangles.data(), triangles.size());
 }
 
-IndexRange index_range(std::span<const glm::uvec3> triangles, std::span<const std::uint32_t> group_of) {
-  if (group_of.empty()) return HWY_DYNAMIC_DISPATCH(range_of)(&triangles[0].x, 3 * triangles.size());
-  IndexRange range{group_of[triangles[0].x], group_of[triangles[0].x]};
-  for (const glm::uvec3& t : triangles)
-    for (int c = 0; c < 3; ++c) {
-      range.first = std::min(range.first, group_of[t[c]]);
-      range.last = std::max(range.last, group_of[t[c]]);
-    }
-  return range;
-}
-
-void add_faces(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles,
-               NormalWeight weight, const NormalWindow& window, IndexRange named) {
-  const bool is_whole = named.first >= window.first && named.last - window.first < window.sums.size();
-  const bool has_next = window.group_of.empty() && named.last + std::size_t{1} < positions.size();
-  HWY_DYNAMIC_DISPATCH(add_faces_of)
-  (positions.data(), triangles.data(), triangles.size(), weight, window, is_whole, has_next);
+IndexRange add_faces(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles,
+                     NormalWeight weight, const NormalWindow& window) {
+  return HWY_DYNAMIC_DISPATCH(add_faces_of)(positions.data(), positions.size(), triangles.data(),
+                                            triangles.size(), weight, window);
 }
 
 void add_faces_exactly(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles,

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <span>
+#include <vector>
 
 #include "lambake/geometry/normals.h"
 
@@ -27,9 +28,6 @@ struct IndexRange {
   std::uint32_t first = 0, last = 0;
 };
 
-/// @param triangles  at least one. @param group_of  number of each vertex, or none: itself.
-IndexRange index_range(std::span<const glm::uvec3> triangles, std::span<const std::uint32_t> group_of);
-
 /// The sums of consecutive groups; what faces add to other groups is left to other windows.
 struct NormalWindow {
   std::span<const std::uint32_t> group_of;  ///< Of each vertex, or none: itself.
@@ -41,25 +39,21 @@ struct NormalWindow {
 /// Adds the faces to the sums of their corners' groups, in the order of the faces: the same bits on every
 /// vector path, and whatever the window. A share is right to float's accuracy, some 1e-7 of itself, for
 /// slivers too.
-/// @param named  range of the groups that the triangles name: faces are picked only where it leaves the
+/// @param triangles  at least one. @returns the range of the groups that they name, also outside of the
 /// window.
-void add_faces(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles,
-               NormalWeight weight, const NormalWindow& window, IndexRange named);
+IndexRange add_faces(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles,
+                     NormalWeight weight, const NormalWindow& window);
 
 /// The same in double, for the groups alone that are wanted. @param is_wanted  by sum.
 void add_faces_exactly(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles,
                        NormalWeight weight, const NormalWindow& window, std::span<const char> is_wanted);
 
-/// True for a sum that is short, as its faces look apart: the shares of add_faces() are not exact enough for
-/// it.
-bool is_uncertain(const NormalSum& sum);
-
-struct UnitNormalCounts {
-  std::size_t n_without = 0;    ///< Sums that have no direction.
-  std::size_t n_uncertain = 0;  ///< By is_uncertain().
-};
-
-/// The directions of the sums; (0,0,0) where there is none: the faces cancel, or there are none.
-UnitNormalCounts unit_normals(std::span<const NormalSum> sums, std::span<glm::vec3> normals);
+/// The directions of the sums; (0,0,0) where there is none: the faces cancel, or there are none. Sets the
+/// sums to 0.
+/// @param uncertain  gets the numbers of sums that are short, as their faces look apart: the shares of
+/// add_faces() are not exact enough for them.
+/// @returns false if some of the sums have no direction.
+bool unit_normals(std::span<NormalSum> sums, std::span<glm::vec3> normals,
+                  std::vector<std::uint32_t>& uncertain);
 
 }  // namespace lambake

@@ -4,8 +4,10 @@
 #include <atomic>
 #include <cmath>
 #include <cstdint>
-#include <memory>
+#include <limits>
+#include <numeric>
 #include <span>
+#include <vector>
 
 #include "lambake/core/bounds.h"
 #include "lambake/core/parallel.h"
@@ -37,13 +39,22 @@ float unit_of(std::span<const glm::vec3> positions) {
 /// Consecutive faces.
 struct Chunk {
   std::size_t begin, end;
-  IndexRange groups;  // That they name.
+  std::size_t first_window, last_window;   // Of the groups that a few of the faces name.
+  std::vector<std::size_t> other_windows;  // That the faces name too, as add_faces() finds.
+};
+
+/// Groups with consecutive numbers, from `first` on.
+struct Window {
+  std::size_t first, n;
+  std::vector<std::size_t> chunks;  // With faces that name them.
 };
 
 /// What vertex_normals() works on: the faces, and the groups of vertices that get one normal each.
 ///
 /// Windows of groups are done side by side, each by all faces that name one of its groups, in their order. A
-/// face at the border of windows is computed for each of them.
+/// face at the border of windows is computed for each of them. Which chunks of faces a window needs is
+/// guessed by a few faces of each; where the others name more, the windows that missed a chunk are done
+/// again.
 class GroupNormals {
  public:
   GroupNormals(const Mesh& mesh, NormalWeight weight)
@@ -51,86 +62,158 @@ class GroupNormals {
         weight_(weight),
         unit_(unit_of(mesh.positions)),
         group_of_(mesh.shared_normals()),
-        n_groups_(count_of_numbers(mesh.shared_normals(), mesh.n_vertices())),
-        chunks_((mesh.n_triangles() + chunk_size - 1) / chunk_size) {
-    parallel_blocks(mesh.n_triangles(), chunk_size, [&](std::size_t begin, std::size_t end) {
-      chunks_[begin / chunk_size] = {begin, end, index_range(faces_from(begin, end), group_of_)};
-    });
+        n_groups_(count_of_numbers(mesh.shared_normals(), mesh.n_vertices())) {
+    make_windows();
   }
 
   VertexNormals run() {
     VertexNormals result;
     result.normals.resize(n_groups_);
-    std::atomic<std::size_t> n_without{0};
-    parallel_blocks(n_groups_, window_size(), [&](std::size_t begin, std::size_t end) {
-      n_without += sum_window(begin, std::span(result.normals).subspan(begin, end - begin));
-    });
+    std::vector<std::size_t> windows(windows_.size());
+    std::iota(windows.begin(), windows.end(), std::size_t{0});
+    bool have_directions = sum_windows(windows, result.normals);
+    const std::vector<std::size_t> missed = add_missed_chunks();
+    have_directions &= sum_windows(missed, result.normals);
     if (!group_of_.empty()) {
       std::vector<glm::vec3> normals(mesh_.n_vertices());
       for (std::size_t v = 0; v < normals.size(); ++v) normals[v] = result.normals[group_of_[v]];
       result.normals = std::move(normals);
     }
-    if (n_without > 0) result.undefined = count_undefined(result.normals);
+    if (!have_directions) result.undefined = count_undefined(result.normals);
     return result;
   }
 
  private:
   static constexpr std::size_t chunk_size = 2048;
 
-  std::span<const glm::uvec3> faces_from(std::size_t begin, std::size_t end) const {
-    return std::span(mesh_.triangles).subspan(begin, end - begin);
+  std::span<const glm::uvec3> faces_of(const Chunk& chunk) const {
+    return std::span(mesh_.triangles).subspan(chunk.begin, chunk.end - chunk.begin);
   }
+  std::uint32_t group(std::uint32_t v) const { return group_of_.empty() ? v : group_of_[v]; }
 
-  template <typename Body>
-  void for_each_chunk(std::size_t first_group, std::size_t n, const Body& body) const {
-    for (const Chunk& chunk : chunks_)
-      if (chunk.groups.last >= first_group && chunk.groups.first < first_group + n)
-        body(faces_from(chunk.begin, chunk.end), chunk.groups);
-  }
-
-  /// Groups in a window: several windows for each thread, but not so small that many faces lie at their
-  /// borders, and are computed twice, nor so large that their sums leave the cache. Where neighbours are not
-  /// numbered alike, so that most chunks meet most windows, one window for each thread.
-  std::size_t window_size() const {
-    constexpr std::size_t least = 16384, greatest = 131072;
-    const std::size_t size = std::clamp(n_groups_ / (4 * thread_count()), least, greatest);
+  /// Windows are small, so that their sums stay in a core's own cache, but not so small that many faces lie
+  /// at their borders. Where neighbours are not numbered alike, so that most chunks meet most windows, there
+  /// is one window for each thread, and it is done by all chunks.
+  void make_windows() {
+    constexpr std::size_t small = 32768;
+    const std::size_t n_chunks = (mesh_.n_triangles() + chunk_size - 1) / chunk_size;
+    chunks_.resize(n_chunks);
+    parallel_blocks(n_chunks, 64, [&](std::size_t first, std::size_t last) {
+      for (std::size_t i = first; i < last; ++i) {
+        Chunk& chunk = chunks_[i];
+        chunk.begin = i * chunk_size, chunk.end = std::min(chunk.begin + chunk_size, mesh_.n_triangles());
+        const IndexRange groups = range_of_few(chunk);
+        chunk.first_window = groups.first / small, chunk.last_window = groups.last / small;
+      }
+    });
     std::size_t n_meetings = 0;
-    for (const Chunk& chunk : chunks_) n_meetings += chunk.groups.last / size - chunk.groups.first / size + 1;
-    if (n_meetings <= 2 * chunks_.size()) return size;
-    return std::max(size, (n_groups_ + thread_count() - 1) / thread_count());
-  }
-
-  /// @returns how many of the groups have no direction.
-  std::size_t sum_window(std::size_t first, std::span<glm::vec3> normals) const {
-    const auto storage = std::make_unique_for_overwrite<NormalSum[]>(normals.size());
-    const NormalWindow window{
-        group_of_, static_cast<std::uint32_t>(first), {storage.get(), normals.size()}, unit_};
-    std::fill(window.sums.begin(), window.sums.end(), NormalSum{});
-    for_each_chunk(first, normals.size(), [&](std::span<const glm::uvec3> triangles, IndexRange named) {
-      add_faces(mesh_.positions, triangles, weight_, window, named);
-    });
-    UnitNormalCounts counts = unit_normals(window.sums, normals);
-    if (counts.n_uncertain > 0) {
-      sum_uncertain_again(window);
-      counts = unit_normals(window.sums, normals);
+    for (const Chunk& chunk : chunks_) n_meetings += chunk.last_window - chunk.first_window + 1;
+    const bool are_alike = n_meetings <= 2 * n_chunks;
+    const std::size_t size =
+        are_alike ? small : std::max(small, (n_groups_ + thread_count() - 1) / thread_count());
+    for (std::size_t first = 0; first < n_groups_; first += size)
+      windows_.push_back({first, std::min(size, n_groups_ - first), {}});
+    for (std::size_t i = 0; i < n_chunks; ++i) {
+      if (!are_alike) chunks_[i].first_window = 0, chunks_[i].last_window = windows_.size() - 1;
+      for (std::size_t w = chunks_[i].first_window; w <= chunks_[i].last_window; ++w)
+        windows_[w].chunks.push_back(i);
     }
-    return counts.n_without;
   }
 
-  void sum_uncertain_again(const NormalWindow& window) const {
+  IndexRange range_of_few(const Chunk& chunk) const {
+    constexpr std::size_t step = chunk_size / 8;
+    IndexRange range{std::numeric_limits<std::uint32_t>::max(), 0};
+    const auto add = [&](const glm::uvec3& t) {
+      const std::uint32_t a = group(t.x), b = group(t.y), c = group(t.z);
+      range = {std::min({range.first, a, b, c}), std::max({range.last, a, b, c})};
+    };
+    for (std::size_t f = chunk.begin; f < chunk.end; f += step) add(mesh_.triangles[f]);
+    add(mesh_.triangles[chunk.end - 1]);
+    return range;
+  }
+
+  /// @returns false if some of the groups have no direction.
+  bool sum_windows(std::span<const std::size_t> windows, std::span<glm::vec3> normals) {
+    std::atomic<bool> have_directions{true};
+    std::atomic<std::size_t> n_begun{0};
+    // The sums of one thread stay in its cache from window to window.
+    parallel_blocks(std::min(thread_count(), windows.size()), 1, [&](std::size_t, std::size_t) {
+      std::vector<NormalSum> sums;
+      for (std::size_t i = n_begun++; i < windows.size(); i = n_begun++) {
+        const Window& window = windows_[windows[i]];
+        if (!sum_window(windows[i], sums, normals.subspan(window.first, window.n))) have_directions = false;
+      }
+    });
+    return have_directions;
+  }
+
+  /// @param storage  of the sums, which are 0 before and after.
+  bool sum_window(std::size_t w, std::vector<NormalSum>& storage, std::span<glm::vec3> normals) {
+    if (storage.size() < normals.size()) storage.resize(normals.size());
+    const NormalWindow window{group_of_, static_cast<std::uint32_t>(windows_[w].first),
+                              std::span(storage).first(normals.size()), unit_};
+    for (const std::size_t i : windows_[w].chunks) {
+      Chunk& chunk = chunks_[i];
+      const IndexRange named = add_faces(mesh_.positions, faces_of(chunk), weight_, window);
+      if (w == chunk.first_window) find_other_windows(chunk, named);
+    }
+    std::vector<std::uint32_t> uncertain;
+    const bool have_directions = unit_normals(window.sums, normals, uncertain);
+    if (uncertain.empty()) return have_directions;
+    return sum_again(uncertain, windows_[w], window, normals) && have_directions;
+  }
+
+  /// @param named  range of the groups that the faces name.
+  void find_other_windows(Chunk& chunk, const IndexRange& named) const {
+    const std::size_t size = windows_.front().n;
+    if (named.first / size >= chunk.first_window && named.last / size <= chunk.last_window) return;
+    std::vector<std::size_t>& others = chunk.other_windows;
+    others.clear();
+    for (const glm::uvec3& t : faces_of(chunk))
+      for (int c = 0; c < 3; ++c) {
+        const std::size_t w = group(t[c]) / size;
+        if ((w < chunk.first_window || w > chunk.last_window) && (others.empty() || others.back() != w))
+          others.push_back(w);
+      }
+  }
+
+  /// @returns windows that have got more chunks.
+  std::vector<std::size_t> add_missed_chunks() {
+    std::vector<std::size_t> missed;
+    for (std::size_t i = 0; i < chunks_.size(); ++i)
+      for (const std::size_t w : chunks_[i].other_windows) {
+        windows_[w].chunks.push_back(i);
+        missed.push_back(w);
+      }
+    sort_and_deduplicate(missed);
+    for (const std::size_t w : missed) sort_and_deduplicate(windows_[w].chunks);
+    return missed;
+  }
+
+  static void sort_and_deduplicate(std::vector<std::size_t>& numbers) {
+    std::sort(numbers.begin(), numbers.end());
+    numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+  }
+
+  /// In double. @param uncertain  numbers of sums of the window.
+  /// @returns false if some have no direction.
+  bool sum_again(std::span<const std::uint32_t> uncertain, const Window& of_chunks,
+                 const NormalWindow& window, std::span<glm::vec3> normals) const {
     std::vector<char> is_wanted(window.sums.size());
-    for (std::size_t i = 0; i < is_wanted.size(); ++i) {
-      is_wanted[i] = is_uncertain(window.sums[i]);
-      if (is_wanted[i] != 0) window.sums[i] = NormalSum{};
+    for (const std::uint32_t i : uncertain) is_wanted[i] = 1;
+    for (const std::size_t i : of_chunks.chunks)
+      add_faces_exactly(mesh_.positions, faces_of(chunks_[i]), weight_, window, is_wanted);
+    bool have_directions = true;
+    std::vector<std::uint32_t> still_uncertain;
+    for (const std::uint32_t i : uncertain) {
+      unit_normals(window.sums.subspan(i, 1), normals.subspan(i, 1), still_uncertain);
+      have_directions &= normals[i] != glm::vec3(0);
     }
-    for_each_chunk(window.first, is_wanted.size(), [&](std::span<const glm::uvec3> triangles, IndexRange) {
-      add_faces_exactly(mesh_.positions, triangles, weight_, window, is_wanted);
-    });
+    return have_directions;
   }
 
   /// Vertices of a face that have no direction.
   std::size_t count_undefined(std::span<const glm::vec3> normals) const {
-    const auto group = [&](std::uint32_t v) { return group_of_.empty() ? v : group_of_[v]; };
     std::vector<bool> is_used(n_groups_, false);
     for (const glm::uvec3& t : mesh_.triangles)
       for (int c = 0; c < 3; ++c) is_used[group(t[c])] = true;
@@ -145,6 +228,7 @@ class GroupNormals {
   std::span<const std::uint32_t> group_of_;  // By vertex, or none: each its own.
   std::size_t n_groups_;
   std::vector<Chunk> chunks_;
+  std::vector<Window> windows_;
 };
 
 }  // namespace
