@@ -89,90 +89,114 @@ IndexRange range_of(const std::uint32_t* indices, std::size_t n) {
 constexpr std::size_t n_ahead = 4 * n_in_block;
 constexpr std::size_t cache_line = 16;  // In numbers of 4 bytes.
 
-/// Up to a block of faces, filled up with the last one.
-struct Selection {
-  glm::uvec3 faces[n_in_block], groups[n_in_block];
+/// What add_block() works in.
+struct Scratch {
+  Block block;
+  CopiedFaces copied;
+};
 
-  void fill_up(std::size_t n) {
-    for (std::size_t i = n; i < n_in_block; ++i) faces[i] = faces[n - 1];
+/// Adds up to a block of faces. @param faces  as many more as fill a vector may be read.
+/// @param groups    that each of the faces names.
+/// @param is_whole  all of these are in the window.
+/// @param has_next  the faces do not name the last vertex.
+template <NormalWeight weight>
+void add_block(const glm::vec3* positions, const glm::uvec3* faces, const glm::uvec3* groups, std::size_t n,
+               const NormalWindow& window, bool is_whole, bool has_next, Scratch& scratch) {
+  // Copies: the sums might overwrite what `window` refers to, for all that the compiler knows.
+  NormalSum* const sums = window.sums.data();
+  const std::size_t first_group = window.first, n_sums = window.sums.size();
+  Block& block = scratch.block;
+  const float per_unit = 1 / window.unit;
+  bool are_sure;
+  if (has_next) {
+    are_sure = compute<weight>(positions, faces, n, per_unit, block);
+  } else {
+    scratch.copied.copy(positions, faces, n);
+    are_sure = compute<weight>(scratch.copied.positions, scratch.copied.faces, n, per_unit, block);
   }
+  const auto add_face = [&](std::size_t i, auto is_all) HWY_ATTR {
+    const auto add = [&](std::uint32_t group, const Row& row) HWY_ATTR {
+      const std::size_t place = std::size_t{group} - first_group;
+      if (is_all || place < n_sums) add_row(row, sums[place]);
+    };
+    const glm::uvec3& g = groups[i];
+    const Row normal = load_row(block.normals + 4 * i);
+    if constexpr (has_one_share(weight)) {
+      add(g.x, normal), add(g.y, normal), add(g.z, normal);
+    } else {
+      const Row weights = load_row(block.weights + 4 * i);
+      add(g.x, times_weight<0>(normal, weights));
+      add(g.y, times_weight<1>(normal, weights));
+      add(g.z, times_weight<2>(normal, weights));
+    }
+  };
+  if (are_sure && is_whole) {
+    for (std::size_t i = 0; i < n; ++i) add_face(i, std::true_type());
+  } else if (are_sure) {
+    for (std::size_t i = 0; i < n; ++i) add_face(i, std::false_type());
+  } else {
+    for (std::size_t i = 0; i < n; ++i)
+      if (std::isnan(block.normals[4 * i]))
+        add_face_exactly(positions, faces[i], weight, nullptr, window);
+      else
+        add_face(i, std::false_type());
+  }
+}
+
+/// Faces picked from blocks that leave the window, until they fill one.
+struct Picked {
+  glm::uvec3 faces[n_in_block], groups[n_in_block];
+  std::size_t n = 0;
+  bool name_last_vertex = false;
 };
 
 /// @returns the range of the groups that the faces name.
 template <NormalWeight weight, bool is_grouped>
 IndexRange add_all(const glm::vec3* positions, std::size_t n_positions, const glm::uvec3* triangles,
                    std::size_t n, const NormalWindow& window) {
-  Block block;
-  Selection selection;
-  CopiedFaces copied;
+  Scratch scratch;
+  Picked picked;
+  const auto add_picked = [&] {
+    if (picked.n == 0) return;
+    std::fill(picked.faces + picked.n, std::end(picked.faces), picked.faces[picked.n - 1]);
+    add_block<weight>(positions, picked.faces, picked.groups, picked.n, window, false,
+                      !picked.name_last_vertex, scratch);
+    picked.n = 0;
+    picked.name_last_vertex = false;
+  };
   glm::uvec3 group_numbers[is_grouped ? n_in_block : 1];
-  // Copies: the sums might overwrite what `window` refers to, for all that the compiler knows.
-  const std::uint32_t* const group_of = window.group_of.data();
-  NormalSum* const sums = window.sums.data();
-  const std::size_t first_group = window.first;
-  const std::size_t n_sums = window.sums.size();
-  const float per_unit = 1 / window.unit;
+  const std::size_t n_sums = window.sums.size(), end = window.first + n_sums;
   IndexRange of_all = {std::numeric_limits<std::uint32_t>::max(), 0};
   for (std::size_t first = 0; first < n; first += n_in_block) {
     const glm::uvec3 *faces = triangles + first, *groups = faces;
-    std::size_t n_here = std::min(n_in_block, n - first);
+    const std::size_t n_here = std::min(n_in_block, n - first);
     for (std::size_t i = 0; i < 3 * n_in_block; i += cache_line) hwy::Prefetch(&faces->x + 3 * n_ahead + i);
     const IndexRange vertices = range_of(&faces->x, 3 * n_here);
     IndexRange named = vertices;
     if constexpr (is_grouped) {
+      const std::span<const std::uint32_t> of = window.group_of;
       for (std::size_t i = 0; i < n_here; ++i)
-        group_numbers[i] = {group_of[faces[i].x], group_of[faces[i].y], group_of[faces[i].z]};
+        group_numbers[i] = {of[faces[i].x], of[faces[i].y], of[faces[i].z]};
       groups = group_numbers;
       named = range_of(&groups->x, 3 * n_here);
     }
     of_all = {std::min(of_all.first, named.first), std::max(of_all.last, named.last)};
-    if (named.last < first_group || named.first >= first_group + n_sums) continue;
-    const bool is_whole = named.first >= first_group && named.last < first_group + n_sums;
-    if (!is_whole || n_here < n_in_block) {
-      std::size_t n_selected = 0;
-      for (std::size_t i = 0; i < n_here; ++i) {
-        const glm::uvec3 g = groups[i];
-        selection.faces[n_selected] = faces[i], selection.groups[n_selected] = g;
-        n_selected += std::min({g.x - window.first, g.y - window.first, g.z - window.first}) < n_sums;
-      }
-      if (n_selected == 0) continue;
-      n_here = n_selected;
-      faces = selection.faces, groups = selection.groups;
-      selection.fill_up(n_here);
+    if (named.last < window.first || named.first >= end) continue;
+    const bool has_next = vertices.last + std::size_t{1} < n_positions;
+    if (n_here == n_in_block && named.first >= window.first && named.last < end) {
+      add_picked();
+      add_block<weight>(positions, faces, groups, n_here, window, true, has_next, scratch);
+      continue;
     }
-    bool are_sure;
-    if (vertices.last + std::size_t{1} < n_positions) {
-      are_sure = compute<weight>(positions, faces, n_here, per_unit, block);
-    } else {
-      copied.copy(positions, faces, n_here);
-      are_sure = compute<weight>(copied.positions, copied.faces, n_here, per_unit, block);
-    }
-    const auto add_face = [&](std::size_t i, auto is_all) HWY_ATTR {
-      const auto add = [&](std::uint32_t group, const Row& row) HWY_ATTR {
-        const std::size_t place = std::size_t{group} - first_group;
-        if (is_all || place < n_sums) add_row(row, sums[place]);
-      };
-      const glm::uvec3& g = groups[i];
-      const Row normal = load_row(block.normals + 4 * i);
-      if constexpr (has_one_share(weight)) {
-        add(g.x, normal), add(g.y, normal), add(g.z, normal);
-      } else {
-        const Row weights = load_row(block.weights + 4 * i);
-        add(g.x, times_weight<0>(normal, weights));
-        add(g.y, times_weight<1>(normal, weights));
-        add(g.z, times_weight<2>(normal, weights));
-      }
-    };
-    if (are_sure && is_whole) {
-      for (std::size_t i = 0; i < n_here; ++i) add_face(i, std::true_type());
-    } else {
-      for (std::size_t i = 0; i < n_here; ++i)
-        if (std::isnan(block.normals[4 * i]))
-          add_face_exactly(positions, faces[i], weight, nullptr, window);
-        else
-          add_face(i, std::false_type());
+    for (std::size_t i = 0; i < n_here; ++i) {
+      const glm::uvec3 g = groups[i];
+      picked.faces[picked.n] = faces[i], picked.groups[picked.n] = g;
+      picked.n += std::min({g.x - window.first, g.y - window.first, g.z - window.first}) < n_sums;
+      picked.name_last_vertex |= !has_next;
+      if (picked.n == n_in_block) add_picked();
     }
   }
+  add_picked();
   return of_all;
 }
 

@@ -95,7 +95,8 @@ class GroupNormals {
   /// at their borders. Where neighbours are not numbered alike, so that most chunks meet most windows, there
   /// is one window for each thread, and it is done by all chunks.
   void make_windows() {
-    constexpr std::size_t small = 32768;
+    constexpr std::size_t least = 8192, greatest = 32768;
+    const std::size_t small = std::clamp(n_groups_ / (4 * thread_count()), least, greatest);
     const std::size_t n_chunks = (mesh_.n_triangles() + chunk_size - 1) / chunk_size;
     chunks_.resize(n_chunks);
     parallel_blocks(n_chunks, 64, [&](std::size_t first, std::size_t last) {
@@ -108,9 +109,9 @@ class GroupNormals {
     });
     std::size_t n_meetings = 0;
     for (const Chunk& chunk : chunks_) n_meetings += chunk.last_window - chunk.first_window + 1;
-    const bool are_alike = n_meetings <= 2 * n_chunks;
+    const bool are_alike = 2 * n_meetings <= 3 * n_chunks;
     const std::size_t size =
-        are_alike ? small : std::max(small, (n_groups_ + thread_count() - 1) / thread_count());
+        are_alike ? small : std::max(least, (n_groups_ + thread_count() - 1) / thread_count());
     for (std::size_t first = 0; first < n_groups_; first += size)
       windows_.push_back({first, std::min(size, n_groups_ - first), {}});
     for (std::size_t i = 0; i < n_chunks; ++i) {
