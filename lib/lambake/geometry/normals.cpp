@@ -5,8 +5,10 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <mutex>
 #include <numeric>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "lambake/core/bounds.h"
@@ -67,17 +69,18 @@ class GroupNormals {
   }
 
   VertexNormals run() {
-    VertexNormals result;
-    result.normals.resize(n_groups_);
+    normals_.reserve(n_groups_);
     std::vector<std::size_t> windows(windows_.size());
     std::iota(windows.begin(), windows.end(), std::size_t{0});
-    bool have_directions = sum_windows(windows, result.normals);
+    bool have_directions = sum_windows(windows);
     const std::vector<std::size_t> missed = add_missed_chunks();
-    have_directions &= sum_windows(missed, result.normals);
-    if (!group_of_.empty()) {
-      std::vector<glm::vec3> normals(mesh_.n_vertices());
-      for (std::size_t v = 0; v < normals.size(); ++v) normals[v] = result.normals[group_of_[v]];
-      result.normals = std::move(normals);
+    have_directions &= sum_windows(missed);
+    VertexNormals result;
+    if (group_of_.empty()) {
+      result.normals = std::move(normals_);
+    } else {
+      result.normals.resize(mesh_.n_vertices());
+      for (std::size_t v = 0; v < result.normals.size(); ++v) result.normals[v] = normals_[group_of_[v]];
     }
     if (!have_directions) result.undefined = count_undefined(result.normals);
     return result;
@@ -134,34 +137,44 @@ class GroupNormals {
   }
 
   /// @returns false if some of the groups have no direction.
-  bool sum_windows(std::span<const std::size_t> windows, std::span<glm::vec3> normals) {
+  bool sum_windows(std::span<const std::size_t> windows) {
+    if (windows.empty()) return true;
+    const std::size_t n_workers = std::min(thread_count(), windows.size()), size = windows_.front().n;
+    std::vector<NormalSum> sums(n_workers * size);
     std::atomic<bool> have_directions{true};
     std::atomic<std::size_t> n_begun{0};
     // The sums of one thread stay in its cache from window to window.
-    parallel_blocks(std::min(thread_count(), windows.size()), 1, [&](std::size_t, std::size_t) {
-      std::vector<NormalSum> sums;
+    parallel_blocks(n_workers, 1, [&](std::size_t worker, std::size_t) {
       for (std::size_t i = n_begun++; i < windows.size(); i = n_begun++) {
-        const Window& window = windows_[windows[i]];
-        if (!sum_window(windows[i], sums, normals.subspan(window.first, window.n))) have_directions = false;
+        const std::size_t w = windows[i];
+        if (!sum_window(w, std::span(sums).subspan(worker * size, windows_[w].n))) have_directions = false;
       }
     });
     return have_directions;
   }
 
-  /// @param storage  of the sums, which are 0 before and after.
-  bool sum_window(std::size_t w, std::vector<NormalSum>& storage, std::span<glm::vec3> normals) {
-    if (storage.size() < normals.size()) storage.resize(normals.size());
-    const NormalWindow window{group_of_, static_cast<std::uint32_t>(windows_[w].first),
-                              std::span(storage).first(normals.size()), unit_};
+  /// @param sums  0 before and after.
+  bool sum_window(std::size_t w, std::span<NormalSum> sums) {
+    const NormalWindow window{group_of_, static_cast<std::uint32_t>(windows_[w].first), sums, unit_};
     for (const std::size_t i : windows_[w].chunks) {
       Chunk& chunk = chunks_[i];
       const IndexRange named = add_faces(mesh_.positions, faces_of(chunk), weight_, window);
       if (w == chunk.first_window) find_other_windows(chunk, named);
     }
+    const std::span<glm::vec3> normals = normals_of(windows_[w]);
     std::vector<std::uint32_t> uncertain;
     const bool have_directions = unit_normals(window.sums, normals, uncertain);
     if (uncertain.empty()) return have_directions;
     return sum_again(uncertain, windows_[w], window, normals) && have_directions;
+  }
+
+  /// Where the normals of a window belong. A vector sets its elements to 0: that is done here, so that they
+  /// are in the cache for what is written there next.
+  std::span<glm::vec3> normals_of(const Window& window) {
+    const std::lock_guard lock(growing_);
+    const std::size_t end = window.first + window.n;
+    if (normals_.size() < end) normals_.resize(end);
+    return std::span(normals_).subspan(window.first, window.n);
   }
 
   /// @param named  range of the groups that the faces name.
@@ -230,6 +243,8 @@ class GroupNormals {
   std::size_t n_groups_;
   std::vector<Chunk> chunks_;
   std::vector<Window> windows_;
+  std::mutex growing_;
+  std::vector<glm::vec3> normals_;  // By group; with room for all from the beginning.
 };
 
 }  // namespace
