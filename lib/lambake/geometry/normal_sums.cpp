@@ -68,21 +68,44 @@ namespace lambake::HWY_NAMESPACE {
 namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 
-IndexRange range_of(const std::uint32_t* indices, std::size_t n) {
-  const hn::ScalableTag<std::uint32_t> u;
-  auto least = hn::Set(u, indices[0]), greatest = least;
-  std::size_t i = 0;
-  for (; i + hn::Lanes(u) <= n; i += hn::Lanes(u)) {
-    const auto here = hn::LoadU(u, indices + i);
-    least = hn::Min(least, here);
-    greatest = hn::Max(greatest, here);
+using Numbers = hn::ScalableTag<std::uint32_t>;
+using N = hn::Vec<Numbers>;
+
+/// Of the numbers that each lane of a vector has seen.
+struct LaneRanges {
+  N least, greatest;
+
+  HWY_INLINE void add(const N& least_here, const N& greatest_here) {
+    least = hn::Min(least, least_here);
+    greatest = hn::Max(greatest, greatest_here);
   }
-  IndexRange range{hn::GetLane(hn::MinOfLanes(u, least)), hn::GetLane(hn::MaxOfLanes(u, greatest))};
-  for (; i < n; ++i) {
-    range.first = std::min(range.first, indices[i]);
-    range.last = std::max(range.last, indices[i]);
+  HWY_INLINE IndexRange together() const {
+    const Numbers u;
+    return {hn::GetLane(hn::MinOfLanes(u, least)), hn::GetLane(hn::MaxOfLanes(u, greatest))};
   }
-  return range;
+  /// True if all are in [first, end).
+  HWY_INLINE bool are_within(std::size_t first, std::size_t end) const {
+    const Numbers u;
+    const auto last = hn::Set(u, static_cast<std::uint32_t>(end - 1));
+    const auto outside =
+        hn::Or(hn::Lt(least, hn::Set(u, static_cast<std::uint32_t>(first))), hn::Gt(greatest, last));
+    return hn::AllFalse(u, outside);
+  }
+};
+
+HWY_INLINE LaneRanges no_ranges() {
+  return {hn::Set(Numbers(), std::numeric_limits<std::uint32_t>::max()), hn::Zero(Numbers())};
+}
+
+/// @param faces  a whole block.
+HWY_INLINE LaneRanges ranges_of(const glm::uvec3* faces) {
+  const Numbers u;
+  LaneRanges ranges = no_ranges();
+  for (std::size_t i = 0; i < 3 * n_in_block; i += hn::Lanes(u)) {
+    const N here = hn::LoadU(u, &faces->x + i);
+    ranges.add(here, here);
+  }
+  return ranges;
 }
 
 /// How many faces ahead memory is asked for them.
@@ -114,10 +137,12 @@ void add_block(const glm::vec3* positions, const glm::uvec3* faces, const glm::u
     scratch.copied.copy(positions, faces, n);
     are_sure = compute<weight>(scratch.copied.positions, scratch.copied.faces, n, per_unit, block);
   }
+  // Where the sum of group 0 would be: a group's sum is found in an operation less.
+  const std::uintptr_t sum_0 = reinterpret_cast<std::uintptr_t>(sums) - first_group * sizeof(NormalSum);
   const auto add_face = [&](std::size_t i, auto is_all) HWY_ATTR {
     const auto add = [&](std::uint32_t group, const Row& row) HWY_ATTR {
-      const std::size_t place = std::size_t{group} - first_group;
-      if (is_all || place < n_sums) add_row(row, sums[place]);
+      if (is_all || group - first_group < n_sums)
+        add_row(row, *reinterpret_cast<NormalSum*>(sum_0 + group * sizeof(NormalSum)));
     };
     const glm::uvec3& g = groups[i];
     const Row normal = load_row(block.normals + 4 * i);
@@ -164,30 +189,36 @@ IndexRange add_all(const glm::vec3* positions, std::size_t n_positions, const gl
     picked.n = 0;
     picked.name_last_vertex = false;
   };
-  glm::uvec3 group_numbers[is_grouped ? n_in_block : 1];
+  glm::uvec3 last_block[n_in_block], group_numbers[is_grouped ? n_in_block : 1];
   const std::size_t n_sums = window.sums.size(), end = window.first + n_sums;
-  IndexRange of_all = {std::numeric_limits<std::uint32_t>::max(), 0};
+  LaneRanges of_all = no_ranges();
   for (std::size_t first = 0; first < n; first += n_in_block) {
-    const glm::uvec3 *faces = triangles + first, *groups = faces;
     const std::size_t n_here = std::min(n_in_block, n - first);
+    const glm::uvec3* faces = triangles + first;
     for (std::size_t i = 0; i < 3 * n_in_block; i += cache_line) hwy::Prefetch(&faces->x + 3 * n_ahead + i);
-    const IndexRange vertices = range_of(&faces->x, 3 * n_here);
-    IndexRange named = vertices;
+    if (n_here < n_in_block) {
+      std::fill(std::copy_n(faces, n_here, last_block), std::end(last_block), faces[n_here - 1]);
+      faces = last_block;
+    }
+    const glm::uvec3* groups = faces;
+    const LaneRanges vertices = ranges_of(faces);
+    LaneRanges named = vertices;
     if constexpr (is_grouped) {
       const std::span<const std::uint32_t> of = window.group_of;
-      for (std::size_t i = 0; i < n_here; ++i)
+      for (std::size_t i = 0; i < n_in_block; ++i)
         group_numbers[i] = {of[faces[i].x], of[faces[i].y], of[faces[i].z]};
       groups = group_numbers;
-      named = range_of(&groups->x, 3 * n_here);
+      named = ranges_of(groups);
     }
-    of_all = {std::min(of_all.first, named.first), std::max(of_all.last, named.last)};
-    if (named.last < window.first || named.first >= end) continue;
-    const bool has_next = vertices.last + std::size_t{1} < n_positions;
-    if (n_here == n_in_block && named.first >= window.first && named.last < end) {
+    of_all.add(named.least, named.greatest);
+    const bool has_next = vertices.are_within(0, n_positions - 1);
+    if (n_here == n_in_block && named.are_within(window.first, end)) {
       add_picked();
       add_block<weight>(positions, faces, groups, n_here, window, true, has_next, scratch);
       continue;
     }
+    const IndexRange range = named.together();
+    if (range.last < window.first || range.first >= end) continue;
     for (std::size_t i = 0; i < n_here; ++i) {
       const glm::uvec3 g = groups[i];
       picked.faces[picked.n] = faces[i], picked.groups[picked.n] = g;
@@ -197,7 +228,7 @@ IndexRange add_all(const glm::vec3* positions, std::size_t n_positions, const gl
     }
   }
   add_picked();
-  return of_all;
+  return of_all.together();
 }
 
 template <NormalWeight weight>
