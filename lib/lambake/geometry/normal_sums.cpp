@@ -184,8 +184,8 @@ IndexRange add_all(const glm::vec3* positions, std::size_t n_positions, const gl
   const auto add_picked = [&] {
     if (picked.n == 0) return;
     std::fill(picked.faces + picked.n, std::end(picked.faces), picked.faces[picked.n - 1]);
-    add_block<weight>(positions, picked.faces, picked.groups, picked.n, window, false,
-                      !picked.name_last_vertex, scratch);
+    add_block<weight>(positions, picked.faces, is_grouped ? picked.groups : picked.faces, picked.n, window,
+                      false, !picked.name_last_vertex, scratch);
     picked.n = 0;
     picked.name_last_vertex = false;
   };
@@ -221,7 +221,8 @@ IndexRange add_all(const glm::vec3* positions, std::size_t n_positions, const gl
     if (range.last < window.first || range.first >= end) continue;
     for (std::size_t i = 0; i < n_here; ++i) {
       const glm::uvec3 g = groups[i];
-      picked.faces[picked.n] = faces[i], picked.groups[picked.n] = g;
+      picked.faces[picked.n] = faces[i];
+      if constexpr (is_grouped) picked.groups[picked.n] = g;
       picked.n += std::min({g.x - window.first, g.y - window.first, g.z - window.first}) < n_sums;
       picked.name_last_vertex |= !has_next;
       if (picked.n == n_in_block) add_picked();
