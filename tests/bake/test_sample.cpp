@@ -241,6 +241,55 @@ TEST(BakeFace, FaceWithoutArea_IsBlack) {
   for (const LinearRgb& c : baked(mesh, some_lights(), BakeMethod::face)) EXPECT_EQ(c, LinearRgb{});
 }
 
+/// 600 dim lamps over a floor of 41 × 41 vertices.
+Scene floor_under_many_lamps() {
+  Scene scene;
+  scene.materials.emplace_back();
+  scene.mesh = grid(40, 1);
+  scene.mesh.normals = vertex_normals(scene.mesh, NormalWeight::angle).normals;
+  for (int i = 0; i < 600; ++i) {
+    Light light;
+    light.type = LightType::point;
+    const float turn = 2.3999632f * static_cast<float>(i), r = 2 * std::sqrt(static_cast<float>(i) / 600);
+    const float height = 0.2f + 0.3f * static_cast<float>(i % 7);
+    light.position = {r * std::cos(turn), height, r * std::sin(turn)};
+    light.intensity = {1e-6f, 2e-6f, 0};
+    scene.lights.push_back(light);
+  }
+  return scene;
+}
+
+TEST(Bake, BaseColoursAboveOne_AreInTheErrorOfMergedLights) {
+  for (const float base : {1.0f, 30.0f, 1000.0f})
+    for (const BakeMethod method : {BakeMethod::sample, BakeMethod::face, BakeMethod::uniform}) {
+      Scene scene = floor_under_many_lamps();
+      scene.mesh.colors.assign(scene.mesh.n_vertices(), LinearRgb{base, base, base});
+      BakeOptions options{.method = method, .light_tolerance = 0.02};
+      const BakedColors merged = bake(scene, options);
+      options.light_tolerance = 0;
+      const BakedColors plain = bake(scene, options);
+      ASSERT_GT(merged.light_error.display, 0);
+      EXPECT_LE(merged.light_error.display, 0.02);
+      for (std::size_t i = 0; i < merged.colors.size(); ++i) {
+        const double m = merged.colors[i].g, p = plain.colors[i].g;
+        EXPECT_LE(std::abs(m - p), merged.light_error.linear + 1e-5 * p) << base;
+        EXPECT_LE(std::abs(srgb_encode(m) - srgb_encode(p)), merged.light_error.display + 1e-5) << base;
+      }
+    }
+}
+
+TEST(Bake, MergedLights_AreToldByNoLessThanTheirError) {
+  Scene scene = floor_under_many_lamps();
+  for (const double tolerance : {0.02, 0.011, 0.0047, 0.0013, 0.00098}) {
+    const BakedColors merged = bake(scene, {.light_tolerance = tolerance});
+    ASSERT_EQ(merged.findings.size(), 1U);
+    const std::string& text = merged.findings[0].text;
+    const std::size_t at = text.find("more than ");
+    ASSERT_NE(at, std::string::npos) << text;
+    EXPECT_GE(std::stod(text.substr(at + 10)) * (1 + 1e-8), 255 * merged.light_error.display) << text;
+  }
+}
+
 TEST(Bake, OneOrTwoThreads_SameBits) {
   for (const BakeMethod method : {BakeMethod::sample, BakeMethod::face}) {
     set_thread_count(1);

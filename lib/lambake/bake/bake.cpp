@@ -2,8 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <span>
+
 #include "lambake/bake/lamp_contact.h"
 #include "lambake/bake/methods.h"
+#include "lambake/core/digits.h"
 #include "lambake/core/error.h"
 #include "lambake/core/parallel.h"
 #include "lambake/geometry/normals.h"
@@ -29,6 +33,17 @@ std::vector<bool> find_unlit_vertices(const Scene& scene, const Mesh& mesh) {
   return is_unlit;
 }
 
+/// irradiance_within() for surfaces of the mesh's vertex colours, which scale what merging lights costs.
+LightError light_within(const Mesh& mesh, std::span<const Light> lights, double tolerance,
+                        std::span<const glm::vec3> positions, std::span<const glm::vec3> normals,
+                        std::span<LinearRgb> out) {
+  float brightest = 1;
+  for (const LinearRgb& c : mesh.colors) brightest = std::max({brightest, c.r, c.g, c.b});
+  if (brightest == 1) return irradiance_within(lights, tolerance, positions, normals, out);
+  const LightError error = irradiance_within(lights, tolerance / brightest, positions, normals, out);
+  return error.display > 0 ? LightError{error.linear * brightest, error.display * brightest} : LightError{};
+}
+
 }  // namespace
 
 SampledColors sample_at_vertices(const Scene& scene, const Mesh& mesh, double light_tolerance) {
@@ -39,7 +54,7 @@ SampledColors sample_at_vertices(const Scene& scene, const Mesh& mesh, double li
   std::vector<LinearRgb>& colors = sampled.colors;
   colors.resize(mesh.n_vertices());
   sampled.light_error =
-      irradiance_within(scene.lights, light_tolerance, mesh.positions, mesh.normals, colors);
+      light_within(mesh, scene.lights, light_tolerance, mesh.positions, mesh.normals, colors);
   if (!mesh.colors.empty())
     parallel_blocks(mesh.n_vertices(), block_size, [&](std::size_t begin, std::size_t end) {
       for (std::size_t v = begin; v < end; ++v) colors[v] = mesh.colors[v] * colors[v];
@@ -87,7 +102,7 @@ BakedColors bake_face(const Scene& scene, double light_tolerance) {
     }
   });
   std::vector<LinearRgb> received(n);
-  baked.light_error = irradiance_within(local.lights(), light_tolerance, centroids, normals, received);
+  baked.light_error = light_within(in, local.lights(), light_tolerance, centroids, normals, received);
   baked.findings = tend_lamp_contacts(local.lights(), centroids, normals, {}, received);
   baked.colors.resize(3 * n);
   parallel_blocks(n, block_size, [&](std::size_t begin, std::size_t end) {
@@ -134,9 +149,9 @@ BakedColors bake(const Scene& scene, const BakeOptions& options) {
   BakedColors baked = bake_by_method(scene, options);
   if (baked.light_error.display > 0)
     add_finding(baked.findings, "merged_lights", scene.lights.size(),
-                fmt::format("lights, the far ones taken together: no light is off by more than {:.2g}/255 on "
+                fmt::format("lights, the far ones taken together: no light is off by more than {}/255 on "
                             "screen, certified; a light tolerance of 0 sums them all",
-                            255 * baked.light_error.display));
+                            upper_bound_text(255 * baked.light_error.display)));
   if (options.method == BakeMethod::face) return baked;
   const Mesh& mesh = mesh_of(scene, baked);
   for (Finding& finding :

@@ -22,6 +22,9 @@ using V = hn::Vec<Floats>;
 constexpr std::size_t lanes = hn::MaxLanes(Floats());
 constexpr float infinity = std::numeric_limits<float>::infinity();
 
+/// How far a point and a light may be, together, from where they are: coordinates are floats of at most 1.
+constexpr float position_rounding = 2.2e-7f;
+
 V set(float v) {
   return hn::Set(Floats(), v);
 }
@@ -67,9 +70,11 @@ PointBounds bounds_of_points(const PointArrays& p, std::size_t begin, std::size_
     elevation.add(dot(mx, my, mz, tx, ty, tz));
   }
   // A little wider for the rounding.
-  bounds.radius = std::max(std::sqrt(distance_squared.max()) * 1.0001f, 1e-15f);
+  bounds.radius = std::sqrt(distance_squared.max()) * 1.0001f + 1.5f * position_rounding;
   bounds.cos_cone = length > 0.1f ? cosine.min() - 1e-6f : -1.0f;
-  bounds.sin_cone = std::sqrt(std::max(0.0f, 1.0f - bounds.cos_cone * bounds.cos_cone));
+  // In double: 1 - cos² of a narrow cone is nothing but rounding in float.
+  bounds.sin_cone =
+      static_cast<float>(std::sqrt(std::max(0.0, 1.0 - double(bounds.cos_cone) * double(bounds.cos_cone))));
   bounds.min_elevation = elevation.min() - 1e-5f * bounds.radius;
   bounds.max_elevation = elevation.max() + 1e-5f * bounds.radius;
   return bounds;
@@ -105,10 +110,13 @@ void weigh(const LightArrays& lights, const PointBounds& bounds, LightWeights& w
     const V distance_squared = dot(x, y, z, x, y, z);
     const V distance = hn::Sqrt(distance_squared);
     const V height = dot(ax, ay, az, x, y, z);
-    const V side =
-        hn::Mul(hn::Sqrt(hn::Max(zero, hn::Sub(distance_squared, hn::Mul(height, height)))), sin_cone);
+    // Of the cross product: d² − height² would be nothing but rounding near the axis.
+    const V sx = hn::Sub(hn::Mul(ay, z), hn::Mul(az, y)), sy = hn::Sub(hn::Mul(az, x), hn::Mul(ax, z)),
+            sz = hn::Sub(hn::Mul(ax, y), hn::Mul(ay, x));
+    const V side = hn::Mul(hn::Sqrt(dot(sx, sy, sz, sx, sy, sz)), sin_cone);
     const V along = hn::Mul(height, cos_cone);
-    const V slack = hn::Mul(distance, set(1e-5f));  // of the rounding here
+    const V slack =
+        hn::Add(hn::Mul(distance, set(1e-5f)), set(position_rounding));  // 1e-5: of the rounding here
     // n·(x_i − p) over all normals and points: n·(x_i − c) less the elevation of p.
     const V facing_high = hn::Add(
         hn::Sub(hn::IfThenElse(hn::Ge(height, hn::Mul(distance, cos_cone)), distance, hn::Add(along, side)),
@@ -121,14 +129,15 @@ void weigh(const LightArrays& lights, const PointBounds& bounds, LightWeights& w
     const V by_nearest_3 = hn::Mul(hn::Mul(by_nearest, by_nearest), by_nearest);
     const V dropped = hn::Mul(hn::Max(zero, facing_high), by_nearest_3);
     // 1/d² · remainder(radius/d) = (order + 1.5) q^order / (d − radius)²; the second term is for points that
-    // the light is behind, the last one the rounding of the field's sums, of handing it down and of its
-    // evaluation.
+    // the light is behind, 3e-5 the rounding of the field's sums, of handing it down and of its evaluation,
+    // the last one that of positions: light changes by at most 2/d³ with them.
     const V ratio = hn::Div(radius, distance);
     V remainder = set(LightField::order + 1.5f);
     for (int l = 0; l < LightField::order; ++l) remainder = hn::Mul(remainder, ratio);
     const V by_nearest_2 = hn::Mul(by_nearest, by_nearest);
-    const V merged = hn::Add(hn::Mul(hn::Add(remainder, set(3e-5f)), by_nearest_2),
-                             hn::Mul(hn::Max(zero, hn::Neg(facing_low)), by_nearest_3));
+    const V merged = hn::Add(
+        hn::Mul(hn::Add(remainder, set(3e-5f)), by_nearest_2),
+        hn::Mul(hn::Add(hn::Max(zero, hn::Neg(facing_low)), set(2 * position_rounding)), by_nearest_3));
     const V is_far = hn::VecFromMask(d, hn::Gt(distance, hn::Mul(radius, set(2.0f))));
     const auto far = hn::MaskFromVec(is_far);
     const auto merge = hn::Lt(merged, dropped);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "lambake/core/bounds.h"
@@ -51,6 +52,30 @@ Frame frame_of(const Bounds& points, std::span<const Light> lights) {
     radius = std::max(radius, glm::length(glm::dvec3(light.position) - frame.center));
   if (radius > 0) frame.scale = 1 / radius;
   return frame;
+}
+
+/// In the space of the tree; above it all lights are summed, as light and its sums might overflow.
+constexpr float greatest_intensity = 1e30f;
+
+LightArrays lights_in(const Frame& frame, std::span<const Light> lights) {
+  LightArrays arrays;
+  arrays.reserve(lights.size());
+  const double unit = frame.scale * frame.scale;
+  // Rounded up to a float that has all its digits: a light that is black can be left out, however near.
+  const auto intensity = [&](float of_channel) {
+    return of_channel > 0 ? std::max(static_cast<float>(of_channel * unit), std::numeric_limits<float>::min())
+                          : 0.0f;
+  };
+  for (const Light& light : lights) {
+    const std::size_t i = arrays.size++;
+    const glm::vec3 p = frame(light.position);
+    arrays.x[i] = p.x, arrays.y[i] = p.y, arrays.z[i] = p.z;
+    arrays.r[i] = intensity(light.intensity.r);
+    arrays.g[i] = intensity(light.intensity.g);
+    arrays.b[i] = intensity(light.intensity.b);
+    arrays.index[i] = static_cast<std::uint32_t>(i);
+  }
+  return arrays;
 }
 
 /// A linear error of this moves no encoded value by more than `tolerance_display` where the light is at least
@@ -190,25 +215,18 @@ LightError irradiance_within(std::span<const Light> lights, double tolerance_dis
   if (tolerance_display > 0 && lights.size() >= fewest_lights && out.size() >= fewest_points)
     for (const Light& light : lights) (is_inverse_square(light) ? many : others).push_back(light);
   const Bounds box = many.size() < fewest_lights ? Bounds() : bounds_of(positions);
-  if (many.size() < fewest_lights || box.is_empty()) {
+  const Frame frame = box.is_empty() ? Frame() : frame_of(box, many);
+  const auto is_too_bright = [&](const Light& light) {
+    const auto& [r, g, b] = light.intensity;
+    return std::max({r, g, b}) * frame.scale * frame.scale > greatest_intensity;
+  };
+  if (many.size() < fewest_lights || box.is_empty() || std::any_of(many.begin(), many.end(), is_too_bright)) {
     sum_plainly(pack_lights(lights), positions, normals, out);
     return {};
   }
   sum_plainly(pack_lights(others), positions, normals, out);
 
-  const Frame frame = frame_of(box, many);
-  const double unit = frame.scale * frame.scale;
-  LightArrays sources;
-  sources.reserve(many.size());
-  for (const Light& light : many) {
-    const std::size_t i = sources.size++;
-    const glm::vec3 p = frame(light.position);
-    sources.x[i] = p.x, sources.y[i] = p.y, sources.z[i] = p.z;
-    sources.r[i] = static_cast<float>(light.intensity.r * unit);
-    sources.g[i] = static_cast<float>(light.intensity.g * unit);
-    sources.b[i] = static_cast<float>(light.intensity.b * unit);
-    sources.index[i] = static_cast<std::uint32_t>(i);
-  }
+  const LightArrays sources = lights_in(frame, many);
   const PackedLights packed = pack_lights(many);
   const std::vector<KeyedPoint> order = sort_points(positions, normals, box);
   const std::vector<PointRange> tiles = cut_into_tiles(order);

@@ -13,7 +13,7 @@ namespace lambake {
 /// and channels. The rounding of plainly summed lights is not in it.
 struct LightError {
   double linear = 0;
-  double display = 0;  ///< After the sRGB curve, for surfaces of any albedo.
+  double display = 0;  ///< After the sRGB curve, for surfaces of any albedo up to 1.
 };
 
 /// E(p, n) of many points under many lights, parallel.
