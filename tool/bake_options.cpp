@@ -69,8 +69,8 @@ double parse_tolerance(const std::string& text, ErrorSpace space) {
     throw InvalidOption(fmt::format("--tolerance: expected a number above 0, found \"{}\"", text));
   if (space == ErrorSpace::display && value > 1)
     throw InvalidOption(
-        fmt::format("--tolerance: expected at most 1, where the brightest is 1, found {} (in steps: {}/255)",
-                    value, value));
+        fmt::format("--tolerance: expected at most 1, where the brightest is 1, found {}{}", text,
+                    text.find('/') == std::string::npos ? fmt::format(" (in steps: {}/255)", text) : ""));
   return value;
 }
 
@@ -209,6 +209,16 @@ void add_output_options(CLI::App& command, OutputOptions& options) {
       ->capture_default_str();
   command.add_flag("--unlit,!--no-unlit", options.mark_unlit,
                    "glTF: mark lit materials KHR_materials_unlit, so that nothing is lit twice (default)");
+}
+
+void tell_unheeded_outputs(const std::vector<std::string>& paths, const OutputOptions& options,
+                           Console& console) {
+  if (std::any_of(paths.begin(), paths.end(),
+                  [](const std::string& path) { return file_extension(path) != "ply"; }))
+    return;
+  if (options.attribute != OutputOptions{}.attribute)
+    console.note("--attribute says nothing to PLY; it is for glTF");
+  if (!options.mark_unlit) console.note("--no-unlit says nothing to PLY; it is for glTF");
 }
 
 void tell_darkness(const Scene& scene, float brightest, std::size_t n, const std::string& what_is,

@@ -54,6 +54,10 @@ BakedScene bake_scene(const Scene& scene, const BakeMethodOptions& options, Bake
 /// The certificate, and for auto the trials, where there are any.
 void add_method_json(nlohmann::ordered_json& json, const BakedScene& result);
 
+/// Tells which of them say nothing, as no output is glTF.
+void tell_unheeded_outputs(const std::vector<std::string>& paths, const OutputOptions& options,
+                           Console& console);
+
 void add_output_options(CLI::App& command, OutputOptions& options);
 
 /// Adds a finding where there is light, but nothing of it would be seen.

@@ -43,6 +43,7 @@ int bake_and_write(const BakeCommand& command) {
     check_keeps_input(command.scene, path, path);
   }
   check_distinct(command.outputs);
+  tell_unheeded_outputs(command.outputs, command.output, console);
   const BakeOptions how = bake_options(command.method, console);
   LoadedScene loaded = load_scene(command.scene, console, stopwatch, Up::y, command.method.method == "face");
   for (const std::string& path : command.outputs) {
@@ -89,12 +90,13 @@ int bake_and_write(const BakeCommand& command) {
     console.tell(news);
     json["outputs"].push_back({{"path", path},
                                {"bytes", baked_bytes(path)},
+                               {"vertices", written.n_vertices},
                                {"clipped_vertices", written.clipped_vertices},
                                {"findings", findings_json(written.findings)}});
     if (command.scene.tells_people()) {
       console.clear_bar();
-      print_result("{}: {} {}, {} {}, {} bytes\n", path, group_digits(mesh.n_vertices()),
-                   in_number(mesh.n_vertices(), "vert[ex|ices]"), group_digits(mesh.n_triangles()),
+      print_result("{}: {} {}, {} {}, {} bytes\n", path, group_digits(written.n_vertices),
+                   in_number(written.n_vertices, "vert[ex|ices]"), group_digits(mesh.n_triangles()),
                    in_number(mesh.n_triangles(), "triangle[|s]"), group_digits(baked_bytes(path)));
     }
   }

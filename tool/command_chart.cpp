@@ -68,7 +68,7 @@ int chart_and_write(const ChartCommand& command, const std::string& command_line
     print_result("{}", chart_json(run));
   } else if (!command.scene.quiet) {
     print_result("{:<28} {:>12} {:>12} {:>10} {:>10}\n", "method", "seconds", "vertices", "rmse/255",
-                 "max/255");
+                 "bound/255");
     for (const MethodRun& m : run.methods)
       print_result("{:<28} {:>12.3g} {:>12} {:>10.3f} {:>10.3f}\n", m.label(), m.all_threads.median,
                    group_digits(m.n_vertices), m.rmse * 255, round_up(m.max_bound * 255, 3));

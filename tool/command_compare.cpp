@@ -48,8 +48,9 @@ void compare_views(const CompareCommand& command, const Scene& scene, const Bake
   const glm::uvec2 size = picture_size(command.camera);
   std::vector<Camera> cameras = {choose_camera(command.camera, scene, size)};
   if (command.n_views > 1)
-    cameras = frame_around(scene.mesh.positions, static_cast<float>(size.x) / static_cast<float>(size.y),
-                           command.n_views, up_of(command.camera));
+    cameras =
+        frame_around(positions_in_faces(scene.mesh), static_cast<float>(size.x) / static_cast<float>(size.y),
+                     command.n_views, up_of(command.camera));
   console.stage("pictures");
   const Progress progress = console.progress();
   std::vector<ImageError> linear, display;

@@ -353,7 +353,12 @@ LoadedScene load_scene(const SceneOptions& options, Console& console, Stopwatch&
   LoadedScene loaded;
   std::vector<std::string> notes;  // Told once nothing can fail any more.
   console.stage("reading");
-  loaded.file = read_scene_file(options.input, {options.gltf_scene, !options.no_file_lights});
+  // Normals that are made anyway need no copies of vertices.
+  const bool keeps_normals =
+      (options.normals == "auto" && !options.crease_angle_deg) || options.normals == "file";
+  loaded.file = read_scene_file(options.input, {.gltf_scene = options.gltf_scene,
+                                                .use_file_lights = !options.no_file_lights,
+                                                .shade_flat = keeps_normals});
   stopwatch.lap("read");
   if (!options.gltf_scene.empty() && loaded.file.asset == nullptr)
     notes.push_back(fmt::format("--scene says nothing to {}; it is for glTF", loaded.file.format));
@@ -422,7 +427,6 @@ Up up_of(const CameraOptions& options) {
 
 Camera choose_camera(const CameraOptions& options, const Scene& scene, const glm::uvec2& size) {
   const float aspect = static_cast<float>(size.x) / static_cast<float>(size.y);
-  const Bounds bounds = bounds_of(scene.mesh.positions);
   if (!options.camera.empty()) {
     for (const Camera& camera : scene.cameras)
       if (camera.name == options.camera) return camera;
@@ -434,7 +438,9 @@ Camera choose_camera(const CameraOptions& options, const Scene& scene, const glm
     throw InvalidOption(fmt::format("--camera: expected one of the file's cameras ({}), found \"{}\"",
                                     names.empty() ? "it has none" : names, options.camera));
   }
+  const std::vector<glm::vec3> shown = positions_in_faces(scene.mesh);
   if (!options.eye.empty()) {
+    const Bounds bounds = bounds_of(shown);
     const std::vector<float> eye = parse_numbers("--eye", options.eye, 3, 3);
     glm::vec3 target = bounds.is_empty() ? glm::vec3(0) : bounds.center();
     if (!options.target.empty()) {
@@ -447,7 +453,7 @@ Camera choose_camera(const CameraOptions& options, const Scene& scene, const glm
     return camera;
   }
   if (!scene.cameras.empty() && options.up.empty()) return scene.cameras.front();
-  return frame(scene.mesh.positions, aspect, up_of(options));
+  return frame(shown, aspect, up_of(options));
 }
 
 }  // namespace lambake::tool

@@ -1,6 +1,8 @@
 // What outputs may replace, and what they must not.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -153,6 +155,88 @@ TEST(CommandLine, GltfInTheWayOfItsSourcesBuffer_IsRefused) {
   EXPECT_NE(refused.err.find("a.bin"), std::string::npos) << refused.err;
   EXPECT_EQ(run_tool(folder, "bake c.gltf -o a.GLTF --quiet").exit_code, 2);
   EXPECT_EQ(run_tool(folder, "bake c.gltf -o b.gltf").exit_code, 0);
+}
+
+// A certificate is of the first output, and so is what it clips: another that holds more gets more.
+TEST(CommandLine, LightAboveWhite_IsInAFloatPly_WhateverComesFirst) {
+  const ScratchFolder folder("above_white");
+  write_octahedron(folder / "in.off");
+  for (const std::string method : {"sample", "adaptive", "auto"}) {
+    for (const int glb_is_first : {0, 1}) {
+      const std::string outputs = glb_is_first ? "-o a.glb -o a.ply" : "-o a.ply -o a.glb";
+      const ToolResult result =
+          run_tool(folder, "bake in.off --lamp 3,2,2,40,40,40 --tolerance 0.2 --color f32 --json --method " +
+                               method + " " + outputs);
+      ASSERT_EQ(result.exit_code, 0) << result.err;
+      for (const nlohmann::json& output : nlohmann::json::parse(result.out)["outputs"]) {
+        if (output["path"] != "a.glb") continue;
+        EXPECT_GT(output["clipped_vertices"], 0) << method;
+      }
+      const std::string ply = read_bytes(folder / "a.ply");
+      const std::size_t start = ply.find("end_header\n") + 11;
+      // Position, normal and colour of each vertex.
+      const std::size_t n = nlohmann::json::parse(result.out)["vertices"];
+      float brightest = 0;
+      for (std::size_t v = 0; v < n; ++v)
+        for (std::size_t c = 6; c < 9; ++c) {
+          float value;
+          std::memcpy(&value, ply.data() + start + 4 * (9 * v + c), sizeof value);
+          brightest = std::max(brightest, value);
+        }
+      EXPECT_GT(brightest, 1.5f) << method << " " << outputs;
+    }
+  }
+}
+
+TEST(CommandLine, GltfWithoutNormals_GetsThoseAskedFor_WithoutCopies) {
+  const ScratchFolder folder("no_normals");
+  write_octahedron(folder / "in.off");
+  ASSERT_EQ(run_tool(folder, "bake in.off -o in.gltf --quiet").exit_code, 0);
+  nlohmann::json gltf = nlohmann::json::parse(read_bytes(folder / "in.gltf"));
+  nlohmann::json& primitive = gltf["meshes"][0]["primitives"][0];
+  primitive["attributes"].erase("NORMAL");
+  primitive["attributes"].erase("COLOR_0");
+  gltf["materials"][0].erase("extensions");
+  std::ofstream(folder / "in.gltf") << gltf;
+  const auto vertices_of = [&](const std::string& options, bool is_flat) {
+    const ToolResult result =
+        run_tool(folder, "bake in.gltf --sun 1,2,3 --json -o b.gltf -o a.ply " + options);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_EQ(result.out.find("flat_primitives") != std::string::npos, is_flat) << options;
+    const nlohmann::json json = nlohmann::json::parse(result.out);
+    EXPECT_EQ(json["outputs"][1]["vertices"], json["vertices"]) << options;
+    const nlohmann::json written = nlohmann::json::parse(read_bytes(folder / "b.gltf"));
+    const std::size_t position = written["meshes"][0]["primitives"][0]["attributes"]["POSITION"];
+    EXPECT_EQ(json["outputs"][0]["vertices"], written["accessors"][position]["count"]) << options;
+    return std::size_t(json["vertices"]);
+  };
+  EXPECT_EQ(vertices_of("", true), 24U);
+  EXPECT_EQ(vertices_of("--normals angle", false), 6U);
+  EXPECT_EQ(vertices_of("--normals file", true), 24U);
+  EXPECT_EQ(vertices_of("--crease-angle-deg 10", false), 24U);
+}
+
+TEST(CommandLine, VerticesInNoFace_AreNotInThePicture) {
+  const ScratchFolder folder("strays");
+  std::ofstream(folder / "a.off") << "OFF\n4 2 0\n-1 -1 0\n1 -1 0\n1 1 0\n-1 1 0\n3 0 1 2\n3 0 2 3\n";
+  std::ofstream(folder / "b.off")
+      << "OFF\n5 2 0\n-1 -1 0\n1 -1 0\n1 1 0\n-1 1 0\n900 900 900\n3 0 1 2\n3 0 2 3\n";
+  for (const char* name : {"a", "b"})
+    ASSERT_EQ(run_tool(folder, std::string("render ") + name + ".off --sun 0,0,1 --size 32x32 --quiet -o " +
+                                   name + ".png")
+                  .exit_code,
+              0);
+  EXPECT_EQ(read_bytes(folder / "a.png"), read_bytes(folder / "b.png"));
+}
+
+TEST(CommandLine, OptionsOfGltf_SayNothingToPly_AndItSaysSo) {
+  const ScratchFolder folder("unheeded");
+  write_quad(folder / "in.off");
+  const std::string options = "bake in.off --sun 0,0,1 --attribute _LIGHT --no-unlit -o a.ply";
+  const std::string told = run_tool(folder, options).err;
+  EXPECT_NE(told.find("--attribute says nothing to PLY"), std::string::npos) << told;
+  EXPECT_NE(told.find("--no-unlit says nothing to PLY"), std::string::npos) << told;
+  EXPECT_EQ(run_tool(folder, options + " -o a.glb").err.find("says nothing"), std::string::npos);
 }
 
 }  // namespace

@@ -33,12 +33,44 @@ TEST(SelectMethod, SphereUnderASun_NeedsCuts) {
   for (const MethodTrial& trial : selection.trials) EXPECT_GE(trial.max_bound, trial.max_found);
 }
 
-TEST(SelectMethod, TooFewVertices_SaysThatPixelsAreNeeded) {
+TEST(SelectMethod, VerticesLimitedByTheCaller_DecidesNothing) {
   const Scene scene = scene_of(icosphere(2), {sun({0.4f, 1, 0.3f})});
   const Selection selection = select_method(scene, {.max_vertices = 170});
   EXPECT_FALSE(selection.is_certified);
-  EXPECT_EQ(selection.sentence.rfind("per-pixel lighting is needed", 0), 0U) << selection.sentence;
+  EXPECT_EQ(selection.sentence.rfind("not decided with at most 170 vertices", 0), 0U) << selection.sentence;
   EXPECT_LE(selection.baked.mesh->n_vertices(), 170U);
+}
+
+TEST(SelectMethod, LampOnTheSurface_SaysThatPixelsAreNeeded) {
+  Light lamp;
+  lamp.type = LightType::point;
+  lamp.position = {0, 1, 0};
+  const Selection selection = select_method(scene_of(icosphere(1), {lamp}), {});
+  EXPECT_FALSE(selection.is_certified);
+  EXPECT_EQ(selection.sentence.rfind("per-pixel lighting is needed", 0), 0U) << selection.sentence;
+}
+
+TEST(SelectMethod, LightThatOneOutputClips_IsLeftForOthers) {
+  Scene scene = scene_of(icosphere(3), {sun({0.4f, 1, 0.3f})});
+  scene.lights[0].intensity = {6, 6, 6};
+  ColorOutput output;
+  output.shown = [](const LinearRgb& color, const Material&) {
+    return glm::dvec3(std::min(color.r, 1.0f), std::min(color.g, 1.0f), std::min(color.b, 1.0f));
+  };
+  const auto brightest = [](const BakedColors& baked) {
+    float most = 0;
+    for (const LinearRgb& c : baked.colors) most = std::max(most, c.r);
+    return most;
+  };
+  EXPECT_GT(brightest(select_method(scene, {.output = output}).baked), 1.5f);
+  BakeOptions options{.method = BakeMethod::adaptive, .output = output};
+  BakedColors baked = bake(scene, options);
+  EXPECT_GT(brightest(baked), 1.5f);
+  // What the output makes of them is what is certified.
+  ASSERT_TRUE(baked.certificate->is_certified);
+  take_stored_colors(scene, output, baked);
+  EXPECT_EQ(brightest(baked), 1.0f);
+  EXPECT_LE(surface_error(scene, baked, ErrorSpace::display).max_sampled, 1.0 / 255);
 }
 
 // Colours in sixteenths: most of what is left is rounding, and light per pixel is not what is missing.

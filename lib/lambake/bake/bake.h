@@ -66,7 +66,8 @@ struct BakeOptions {
   /// needs more needs light per pixel.
   std::size_t max_vertices = 0;
   double max_seconds = 0;  ///< adaptive: stops cutting after this; 0 is no limit.
-  /// adaptive: what becomes of the colours in the output, so that what is certified is what is written.
+  /// adaptive: what becomes of the colours in the output, so that what is certified is what is written
+  /// (take_stored_colors() of what is baked).
   ColorOutput output{};
   /// How much of an encoded colour in [0,1] merging many lights may cost, certified (shading/light_tree.h);
   /// 0 sums them all.

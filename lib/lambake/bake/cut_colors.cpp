@@ -123,9 +123,13 @@ std::vector<char> CutColors::move_all() {
   return is_moved;
 }
 
-void CutColors::move(std::size_t v) {
+LinearRgb CutColors::moved(std::size_t v) const {
   const glm::vec3 shift = rises_[v] + falls_[v];
-  colors_[v] = exact_[v] + LinearRgb{shift.r, shift.g, shift.b};
+  return exact_[v] + LinearRgb{shift.r, shift.g, shift.b};
+}
+
+void CutColors::move(std::size_t v) {
+  colors_[v] = moved(v);
   if (!options_.output.shown) return;
   const auto stored = [&](const LinearRgb& color) { return as_stored(options_.output, color, material(v)); };
   stored_[v] = stored(colors_[v]);
@@ -155,6 +159,11 @@ bool CutColors::spoils(const Material& material, const LinearRgb& color, const L
 
 void CutColors::take_stored() {
   if (options_.output.shown) colors_ = stored_;
+}
+
+std::vector<LinearRgb> CutColors::take_colors() {
+  for (std::size_t v = 0; v < colors_.size(); ++v) colors_[v] = moved(v);
+  return std::move(colors_);
 }
 
 }  // namespace lambake

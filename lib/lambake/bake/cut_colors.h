@@ -46,9 +46,11 @@ class CutColors {
   bool is_spoilt(std::size_t v) const { return !is_spoilt_.empty() && is_spoilt_[v]; }
   /// Puts the colours as the output stores them everywhere, spoilt ones too.
   void take_stored();
-  std::vector<LinearRgb> take_colors() { return std::move(colors_); }
+  /// The colours as computed, of which the output makes those of take_stored(): another one may hold more.
+  std::vector<LinearRgb> take_colors();
 
  private:
+  LinearRgb moved(std::size_t v) const;
   void move(std::size_t v);
   std::vector<char> move_all();
   void share_among_copies();

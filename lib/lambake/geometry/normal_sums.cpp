@@ -83,7 +83,7 @@ struct LaneRanges {
     const Numbers u;
     return {hn::GetLane(hn::MinOfLanes(u, least)), hn::GetLane(hn::MaxOfLanes(u, greatest))};
   }
-  /// True if all are in [first, end).
+  /// True if all are in [first, end), which must not be empty.
   HWY_INLINE bool are_within(std::size_t first, std::size_t end) const {
     const Numbers u;
     const auto last = hn::Set(u, static_cast<std::uint32_t>(end - 1));
@@ -211,7 +211,7 @@ IndexRange add_all(const glm::vec3* positions, std::size_t n_positions, const gl
       named = ranges_of(groups);
     }
     of_all.add(named.least, named.greatest);
-    const bool has_next = vertices.are_within(0, n_positions - 1);
+    const bool has_next = n_positions > 1 && vertices.are_within(0, n_positions - 1);
     if (n_here == n_in_block && named.are_within(window.first, end)) {
       add_picked();
       add_block<weight>(positions, faces, groups, n_here, window, true, has_next, scratch);

@@ -41,8 +41,8 @@ float unit_of(std::span<const glm::vec3> positions) {
 /// Consecutive faces.
 struct Chunk {
   std::size_t begin, end;
-  std::size_t first_window, last_window;   // Of the groups that a few of the faces name.
-  std::vector<std::size_t> other_windows;  // That the faces name too, as add_faces() finds.
+  std::size_t first_window, last_window;   // Of the groups that the faces name, by a few of them or by all.
+  std::vector<std::size_t> other_windows;  // That the others name too, as add_faces() finds.
 };
 
 /// Groups with consecutive numbers, from `first` on.
@@ -56,7 +56,7 @@ struct Window {
 /// Windows of groups are done side by side, each by all faces that name one of its groups, in their order. A
 /// face at the border of windows is computed for each of them. Which chunks of faces a window needs is
 /// guessed by a few faces of each; where the others name more, the windows that missed a chunk are done
-/// again.
+/// again, which costs as much as it does at first.
 class GroupNormals {
  public:
   GroupNormals(const Mesh& mesh, NormalWeight weight)
@@ -87,7 +87,7 @@ class GroupNormals {
   }
 
  private:
-  static constexpr std::size_t chunk_size = 2048;
+  static constexpr std::size_t chunk_size = 2048, sample_step = 32;
 
   std::span<const glm::uvec3> faces_of(const Chunk& chunk) const {
     return std::span(mesh_.triangles).subspan(chunk.begin, chunk.end - chunk.begin);
@@ -95,37 +95,51 @@ class GroupNormals {
   std::uint32_t group(std::uint32_t v) const { return group_of_.empty() ? v : group_of_[v]; }
 
   /// Windows are small, so that their sums stay in a core's own cache, but not so small that many faces lie
-  /// at their borders. Where neighbours are not numbered alike, so that most chunks meet most windows, there
-  /// is one window for each thread, and it is done by all chunks.
+  /// at their borders. Where neighbours are not numbered alike, so that chunks meet many windows, there is
+  /// one window for each thread, and all faces are looked at beforehand.
   void make_windows() {
-    constexpr std::size_t least = 8192, greatest = 32768;
-    const std::size_t small = std::clamp(n_groups_ / (4 * thread_count()), least, greatest);
+    constexpr std::size_t least = 16384, greatest = 32768;
     const std::size_t n_chunks = (mesh_.n_triangles() + chunk_size - 1) / chunk_size;
     chunks_.resize(n_chunks);
-    parallel_blocks(n_chunks, 64, [&](std::size_t first, std::size_t last) {
-      for (std::size_t i = first; i < last; ++i) {
-        Chunk& chunk = chunks_[i];
-        chunk.begin = i * chunk_size, chunk.end = std::min(chunk.begin + chunk_size, mesh_.n_triangles());
-        const IndexRange groups = range_of_few(chunk);
-        chunk.first_window = groups.first / small, chunk.last_window = groups.last / small;
-      }
-    });
-    std::size_t n_meetings = 0;
-    for (const Chunk& chunk : chunks_) n_meetings += chunk.last_window - chunk.first_window + 1;
-    const bool are_alike = 2 * n_meetings <= 3 * n_chunks;
-    const std::size_t size =
-        are_alike ? small : std::max(least, (n_groups_ + thread_count() - 1) / thread_count());
-    for (std::size_t first = 0; first < n_groups_; first += size)
-      windows_.push_back({first, std::min(size, n_groups_ - first), {}});
+    std::vector<IndexRange> ranges(n_chunks);
+    for (std::size_t i = 0; i < n_chunks; ++i)
+      chunks_[i].begin = i * chunk_size, chunks_[i].end = std::min((i + 1) * chunk_size, mesh_.n_triangles());
+    const auto find_ranges = [&](std::size_t step) {
+      parallel_blocks(n_chunks, sample_step, [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i)
+          ranges[i] = range_of(chunks_[i], i % sample_step == 0 ? 1 : step);
+      });
+    };
+    find_ranges(chunk_size / 8);
+    window_size_ = std::clamp(n_groups_ / (4 * thread_count()), least, greatest);
+    if (!are_neighbours_alike(ranges)) {
+      window_size_ = std::max(least, (n_groups_ + thread_count() - 1) / thread_count());
+      find_ranges(1);
+    }
+    for (std::size_t first = 0; first < n_groups_; first += window_size_)
+      windows_.push_back({first, std::min(window_size_, n_groups_ - first), {}});
     for (std::size_t i = 0; i < n_chunks; ++i) {
-      if (!are_alike) chunks_[i].first_window = 0, chunks_[i].last_window = windows_.size() - 1;
+      chunks_[i].first_window = ranges[i].first / window_size_;
+      chunks_[i].last_window = ranges[i].last / window_size_;
       for (std::size_t w = chunks_[i].first_window; w <= chunks_[i].last_window; ++w)
         windows_[w].chunks.push_back(i);
     }
   }
 
-  IndexRange range_of_few(const Chunk& chunk) const {
-    constexpr std::size_t step = chunk_size / 8;
+  /// Whether chunks meet few windows, those of which all faces were looked at too: what few faces say of a
+  /// chunk would be wrong of most if it were of these.
+  bool are_neighbours_alike(const std::vector<IndexRange>& ranges) const {
+    for (const std::size_t step : {std::size_t{1}, sample_step}) {
+      std::size_t n_meetings = 0, n = 0;
+      for (std::size_t i = 0; i < ranges.size(); i += step, ++n)
+        n_meetings += ranges[i].last / window_size_ - ranges[i].first / window_size_ + 1;
+      if (2 * n_meetings > 3 * n) return false;
+    }
+    return true;
+  }
+
+  /// Of the groups that every `step`th face of the chunk and its last one name.
+  IndexRange range_of(const Chunk& chunk, std::size_t step) const {
     IndexRange range{std::numeric_limits<std::uint32_t>::max(), 0};
     const auto add = [&](const glm::uvec3& t) {
       const std::uint32_t a = group(t.x), b = group(t.y), c = group(t.z);
@@ -139,15 +153,16 @@ class GroupNormals {
   /// @returns false if some of the groups have no direction.
   bool sum_windows(std::span<const std::size_t> windows) {
     if (windows.empty()) return true;
-    const std::size_t n_workers = std::min(thread_count(), windows.size()), size = windows_.front().n;
-    std::vector<NormalSum> sums(n_workers * size);
+    const std::size_t n_workers = std::min(thread_count(), windows.size());
+    std::vector<NormalSum> sums(n_workers * window_size_);
     std::atomic<bool> have_directions{true};
     std::atomic<std::size_t> n_begun{0};
     // The sums of one thread stay in its cache from window to window.
     parallel_blocks(n_workers, 1, [&](std::size_t worker, std::size_t) {
       for (std::size_t i = n_begun++; i < windows.size(); i = n_begun++) {
         const std::size_t w = windows[i];
-        if (!sum_window(w, std::span(sums).subspan(worker * size, windows_[w].n))) have_directions = false;
+        if (!sum_window(w, std::span(sums).subspan(worker * window_size_, windows_[w].n)))
+          have_directions = false;
       }
     });
     return have_directions;
@@ -179,7 +194,7 @@ class GroupNormals {
 
   /// @param named  range of the groups that the faces name.
   void find_other_windows(Chunk& chunk, const IndexRange& named) const {
-    const std::size_t size = windows_.front().n;
+    const std::size_t size = window_size_;
     if (named.first / size >= chunk.first_window && named.last / size <= chunk.last_window) return;
     std::vector<std::size_t>& others = chunk.other_windows;
     others.clear();
@@ -189,6 +204,7 @@ class GroupNormals {
         if ((w < chunk.first_window || w > chunk.last_window) && (others.empty() || others.back() != w))
           others.push_back(w);
       }
+    sort_and_deduplicate(others);
   }
 
   /// @returns windows that have got more chunks.
@@ -217,12 +233,12 @@ class GroupNormals {
     for (const std::uint32_t i : uncertain) is_wanted[i] = 1;
     for (const std::size_t i : of_chunks.chunks)
       add_faces_exactly(mesh_.positions, faces_of(chunks_[i]), weight_, window, is_wanted);
-    bool have_directions = true;
+    std::vector<NormalSum> sums(uncertain.size());
+    for (std::size_t k = 0; k < sums.size(); ++k) std::swap(sums[k], window.sums[uncertain[k]]);
+    std::vector<glm::vec3> normals_again(sums.size());
     std::vector<std::uint32_t> still_uncertain;
-    for (const std::uint32_t i : uncertain) {
-      unit_normals(window.sums.subspan(i, 1), normals.subspan(i, 1), still_uncertain);
-      have_directions &= normals[i] != glm::vec3(0);
-    }
+    const bool have_directions = unit_normals(sums, normals_again, still_uncertain);
+    for (std::size_t k = 0; k < sums.size(); ++k) normals[uncertain[k]] = normals_again[k];
     return have_directions;
   }
 
@@ -242,6 +258,7 @@ class GroupNormals {
   std::span<const std::uint32_t> group_of_;  // By vertex, or none: each its own.
   std::size_t n_groups_;
   std::vector<Chunk> chunks_;
+  std::size_t window_size_ = 0;
   std::vector<Window> windows_;
   std::mutex growing_;
   std::vector<glm::vec3> normals_;  // By group; with room for all from the beginning.

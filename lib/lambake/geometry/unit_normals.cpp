@@ -40,7 +40,8 @@ glm::vec3 unit_normal_exactly(const NormalSum& sum) {
   return length > weight * cancelled ? glm::vec3(x / length, y / length, z / length) : glm::vec3(0);
 }
 
-/// In float where the vectors below are.
+/// In float where the vectors below are: whether a sum is done again must not depend on the others of its
+/// window.
 bool is_uncertain(const NormalSum& sum) {
   const auto& [x, y, z, weight] = sum.values;
   if (!is_plain(sum)) return std::sqrt(x * x + y * y + z * z) < weight * uncertain_share;
@@ -120,10 +121,12 @@ bool unit_normals_of(NormalSum* sums, std::size_t n, glm::vec3* normals,
     const auto over_length = [&](auto a)
                                  HWY_ATTR { return hn::IfThenElseZero(has_direction, hn::Div(a, length)); };
     hn::StoreInterleaved3(over_length(x), over_length(y), over_length(z), f, &normals[i].x);
-    const auto is_plain_here =
-        hn::And(hn::Gt(weight, hn::Set(f, least_weight)), hn::Lt(weight, hn::Set(f, greatest_weight)));
+    const auto is_plain_here = hn::Or(
+        hn::Eq(weight, hn::Zero(f)),
+        hn::And(hn::Gt(weight, hn::Set(f, least_weight)), hn::Lt(weight, hn::Set(f, greatest_weight))));
     const auto is_certain = hn::AndNot(
         hn::Lt(length, hn::Mul(weight, hn::Set(f, static_cast<float>(uncertain_share)))), is_plain_here);
+    have_directions &= hn::AllTrue(f, hn::Or(has_direction, hn::Not(is_certain)));
     if (!hn::AllTrue(f, is_certain))
       for (std::size_t k = i; k < i + lanes; ++k) {
         if (is_uncertain(sums[k])) uncertain.push_back(static_cast<std::uint32_t>(k));

@@ -16,6 +16,7 @@ enum class ColorStorage { u8, u16, f32 };
 
 /// What became of the colours on the way into a file.
 struct WrittenColors {
+  std::size_t n_vertices = 0;        ///< That the file has, one that several primitives share once.
   std::size_t clipped_vertices = 0;  ///< Above what the storage can hold (1); never silent.
   Findings findings;
 };

@@ -44,7 +44,10 @@ OutputFolder::OutputFolder(const std::string& path)
   if (path_.has_parent_path()) std::filesystem::create_directories(path_.parent_path(), error);
   if (!error) std::filesystem::remove_all(temporary_.path(), error);  // Left by a run that was killed.
   if (!error) std::filesystem::create_directory(temporary_.path(), error);
-  if (error) throw IoError(path, "cannot be made: " + error.message());
+  if (error) {
+    const bool is_there = std::filesystem::is_directory(path_);
+    throw IoError(path, (is_there ? "cannot be written into: " : "cannot be made: ") + error.message());
+  }
 }
 
 void OutputFolder::commit() {

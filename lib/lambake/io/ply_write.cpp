@@ -116,6 +116,7 @@ WrittenColors write_ply_file(const std::string& path, const Scene& scene, const 
   const bool is_float = options.color == ColorStorage::f32;
 
   WrittenColors written;
+  written.n_vertices = mesh.n_vertices();
   std::vector<LinearRgb> colors(mesh.n_vertices());
   const std::vector<std::uint32_t> materials = vertex_materials(mesh);
   parallel_blocks(mesh.n_vertices(), 4096, [&](std::size_t begin, std::size_t end) {

@@ -30,6 +30,9 @@ struct SceneFile {
 struct ReadOptions {
   std::string gltf_scene;       ///< Name or number of the scene in a glTF file; empty: its default.
   bool use_file_lights = true;  ///< Take the lights of a glTF file.
+  /// Give glTF primitives without normals those of their faces, as the specification asks for; otherwise
+  /// their normals are (0,0,0), to be replaced.
+  bool shade_flat = true;
 };
 
 /// Reads .ply .obj .off .stl .om .gltf .glb, by extension (any case).

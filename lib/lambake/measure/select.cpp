@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 
@@ -12,8 +13,9 @@
 namespace lambake {
 namespace {
 
+/// An upper bound for people: no less than a hundredth of a step.
 std::string steps(double error) {
-  return std::isfinite(error) ? upper_bound_text(error * 255) + "/255" : "no bound";
+  return std::isfinite(error) ? upper_bound_text(std::max(error * 255, 0.01)) + "/255" : "no bound";
 }
 
 std::size_t count_of(const BakedColors& baked, const char* code) {
@@ -74,6 +76,10 @@ std::string verdict(const Selection& selection, const BakeOptions& options, std:
     return fmt::format(
         "not decided in {:g} s: {} vertices leave {} where {} is asked; with more time cutting goes on",
         options.max_seconds, count, left, asked);
+  if (options.max_vertices > 0)
+    return fmt::format(
+        "not decided with at most {} vertices: {} leave {} where {} is asked; with more cutting goes on",
+        group_digits(options.max_vertices), count, left, asked);
   return fmt::format("per-pixel lighting is needed: even {} vertices leave {} where {} is asked", count, left,
                      asked);
 }
@@ -123,7 +129,8 @@ Selection select_method(const Scene& scene, const BakeOptions& options) {
     MethodTrial trial;
     trial.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     if (method == BakeMethod::sample) samples_are_clipped = is_clipped(scene, options.output, baked);
-    if (method != BakeMethod::adaptive) take_stored_colors(scene, options.output, baked);
+    std::vector<LinearRgb> computed = baked.colors;
+    take_stored_colors(scene, options.output, baked);
     const Mesh& mesh = mesh_of(scene, baked);
     trial.method = method;
     trial.n_vertices = mesh.n_vertices();
@@ -142,6 +149,7 @@ Selection select_method(const Scene& scene, const BakeOptions& options) {
     if (is_enough.size() == 1 || is_better(is_enough.size() - 1, selection.chosen)) {
       selection.chosen = is_enough.size() - 1;
       selection.is_certified = trial.is_certified;
+      baked.colors = std::move(computed);
       selection.baked = std::move(baked);
     }
     // What comes behind has as many vertices or more.

@@ -141,7 +141,8 @@ std::string payback(const ChartRun& run) {
   const MethodRun* chosen = find_run(run, [&](const MethodRun& m) { return is_chosen(run, m); });
   const MethodRun* baker = chosen != nullptr ? chosen : find_sample(run);
   if (baker == nullptr || run.frames.empty())
-    return fmt::format("Time against error of {} ways to light {}.", run.methods.size(), run.input);
+    return fmt::format("Time against error of {} {} to light {}.", run.methods.size(),
+                       in_number(run.methods.size(), "way[|s]"), run.input);
   const FrameRun& frame = run.frames.back();
   const double saved = frame.per_fragment.median - frame.per_vertex.median;
   const std::string pays =

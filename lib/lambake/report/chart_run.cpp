@@ -133,7 +133,7 @@ std::optional<MethodRun> measure_method(const Scene& scene, const Variant& varia
     run.one_thread = measure_time(work, seconds / 2);
   }
   if (!is_done()) return std::nullopt;
-  if (!baked.certificate) take_stored_colors(scene, output, baked);
+  take_stored_colors(scene, output, baked);
   const Mesh& mesh = mesh_of(scene, baked);
   run.n_vertices = mesh.n_vertices();
   run.n_triangles = mesh.n_triangles();
@@ -250,10 +250,10 @@ ChartRun run_chart(const Scene& scene, const ChartRunOptions& options) {
   }
 
   Scene lit = scene;
-  const Bounds bounds = bounds_of(scene.mesh.positions);
+  const Bounds bounds = bounds_of(positions_in_faces(scene.mesh));
   const Visibility visibility = find_visibility(scene, scene.mesh, options.camera, 1280, 720);
   for (const std::size_t n : {1, 4, 16, 64, 256, 1024, 4096}) {
-    if (!budget.allows(fmt::format("{} lights", n), 1, run.left_out)) continue;
+    if (!budget.allows(fmt::format("{} {}", n, in_number(n, "light[|s]")), 1, run.left_out)) continue;
     lit.lights = lamps_around(bounds, n);
     run.lights.push_back(measure_lights(lit, visibility, slice));
   }

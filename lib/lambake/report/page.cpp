@@ -37,7 +37,8 @@ std::string verdict(const Comparison& c) {
     return fmt::format(
         "Per-vertex lighting is enough: nowhere on the surface is it more than {} away from "
         "per-pixel lighting, and that is certain.",
-        bound_of_255(*c.max_bound_display));
+        // An upper bound still, and one that people can read.
+        bound_of_255(*c.max_bound_display > 0 ? std::max(*c.max_bound_display, 0.01 / 255) : 0));
   if (largest <= visible)
     return fmt::format(
         "Per-vertex lighting is enough: no place was found where it is more than 1/255 away from "

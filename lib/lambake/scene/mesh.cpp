@@ -35,6 +35,17 @@ std::size_t count_of_numbers(const std::vector<std::uint32_t>& numbers, std::siz
   return numbers.empty() ? n_default : *std::max_element(numbers.begin(), numbers.end()) + std::size_t{1};
 }
 
+std::vector<glm::vec3> positions_in_faces(const Mesh& mesh) {
+  std::vector<bool> is_used(mesh.n_vertices(), false);
+  for (const glm::uvec3& t : mesh.triangles)
+    for (int c = 0; c < 3; ++c) is_used[t[c]] = true;
+  std::vector<glm::vec3> positions;
+  positions.reserve(mesh.n_vertices());
+  for (std::size_t v = 0; v < is_used.size(); ++v)
+    if (is_used[v]) positions.push_back(mesh.positions[v]);
+  return positions;
+}
+
 std::vector<std::uint32_t> vertex_materials(const Mesh& mesh) {
   std::vector<std::uint32_t> materials(mesh.n_vertices(), 0);
   if (mesh.materials.empty()) return materials;

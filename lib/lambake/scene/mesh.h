@@ -67,6 +67,9 @@ std::size_t count_of_numbers(const std::vector<std::uint32_t>& numbers, std::siz
 /// V: the material of each vertex's triangles, which are of one; 0 where there is none.
 std::vector<std::uint32_t> vertex_materials(const Mesh& mesh);
 
+/// The positions of the vertices that are in a face, in their order: what is to be seen.
+std::vector<glm::vec3> positions_in_faces(const Mesh& mesh);
+
 /// For each of `n_materials` whether a triangle is of it.
 std::vector<bool> used_materials(const Mesh& mesh, std::size_t n_materials);
 

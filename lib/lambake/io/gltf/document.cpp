@@ -6,9 +6,11 @@
 #include <cassert>
 #include <filesystem>
 #include <limits>
+#include <set>
 
 #include "lambake/core/error.h"
 #include "lambake/io/file_extension.h"
+#include "lambake/io/gltf/source.h"
 #include "lambake/io/output_file.h"
 
 namespace lambake {
@@ -167,6 +169,19 @@ void check_glb_size(const std::string& path, std::uint64_t n_json_bytes, std::ui
     throw IoError(path, fmt::format("a GLB holds at most 4294967295 bytes and this one would have {}: write "
                                     "a .gltf instead, whose .bin has no such limit",
                                     total));
+}
+
+std::size_t count_vertices(const GltfJson& document) {
+  std::set<std::size_t> accessors;
+  for (const GltfJson& mesh : member(document, "meshes"))
+    for (const GltfJson& primitive : member(mesh, "primitives"))
+      if (const GltfJson& position = member(member(primitive, "attributes"), "POSITION");
+          position.is_number())
+        accessors.insert(position.get<std::size_t>());
+  std::size_t n = 0;
+  for (const std::size_t accessor : accessors)
+    n += document["accessors"][accessor]["count"].get<std::size_t>();
+  return n;
 }
 
 void write_document(const std::string& path, GltfDocument& document) {

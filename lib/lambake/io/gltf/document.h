@@ -101,6 +101,9 @@ void use_extension(GltfJson& json, const char* name);
 /// Throws IoError where a GLB cannot hold `n_bin_bytes` beside `n_json_bytes`: its lengths are of 32 bits.
 void check_glb_size(const std::string& path, std::uint64_t n_json_bytes, std::uint64_t n_bin_bytes);
 
+/// How many vertices the primitives of the meshes have, one that several of them share once.
+std::size_t count_vertices(const GltfJson& document);
+
 /// Writes the document, whole or not at all: as GLB, or as JSON with a .bin beside it, by the extension of
 /// `path`. `buffers[0]` is made to fit `bin`.
 /// @throws IoError if the file cannot be written or is a GLB past 4 GiB; InvalidOption for another extension.

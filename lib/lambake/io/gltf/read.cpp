@@ -185,7 +185,7 @@ class SceneReader {
     }
     append(mesh.materials, std::vector(triangles.size(), material));
     append(mesh.triangles, std::move(triangles));
-    if (is_flat) shade_flat(placed);
+    if (is_flat && options_.shade_flat) shade_flat(placed);
     placed.triangle_end = static_cast<std::uint32_t>(mesh.n_triangles());
     mesh.cut_roundings.push_back({placed.triangle_end, vertices.cut_rounding});
     asset_.placed.push_back(std::move(placed));

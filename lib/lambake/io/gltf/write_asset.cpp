@@ -376,6 +376,7 @@ WrittenColors write_gltf_asset(const std::string& path, const GltfAsset& asset, 
   check_buffer_path(path, asset);
   GltfDocument document;
   WrittenColors written = AssetWriter(asset, scene, baked, options).build(document);
+  written.n_vertices = count_vertices(document.json);
   write_document(path, document);
   return written;
 }

@@ -363,6 +363,7 @@ WrittenColors write_new_gltf(const std::string& path, const SceneFile& file, con
   GltfDocument document;
   NewAsset asset(file, baked, options);
   WrittenColors written = asset.build(document);
+  written.n_vertices = count_vertices(document.json);
   write_document(path, document);
   return written;
 }
