@@ -133,7 +133,7 @@ Comparison describe(const CompareCommand& command, const std::string& command_li
 std::string main_loss(const Scene& scene, const BakedColors& baked, const ColorOutput& output,
                       const Comparison& comparison) {
   const std::vector<bool> hidden = hidden_emission(scene, output);
-  const bool is_clipped = comparison.shares.clipping.value_or(0) > comparison.shares.interpolation,
+  const bool is_clipped = comparison.shares.clipping > comparison.shares.interpolation,
              is_hidden = std::find(hidden.begin(), hidden.end(), true) != hidden.end();
   if (!is_clipped && !is_hidden) return {};
   const double without = surface_error(scene, baked, ErrorSpace::display).rmse;

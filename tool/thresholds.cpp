@@ -68,7 +68,6 @@ nlohmann::ordered_json fullest_report() {
   all.surface_display.worst.resize(1);
   all.light_shares.resize(1);
   all.trials.resize(1);
-  all.shares.clipping = all.shares.quantisation = 0;
   return nlohmann::ordered_json::parse(report_json(all));
 }
 

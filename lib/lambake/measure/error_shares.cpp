@@ -70,7 +70,6 @@ ErrorShares error_shares(const Scene& scene, const BakedColors& baked, const Col
                          double interpolation) {
   ErrorShares shares;
   shares.interpolation = interpolation;
-  shares.clipping = shares.quantisation = 0;
   if (!output.shown) return shares;
   const ComparedSurface surface(scene, baked);
   const std::vector<std::uint32_t> materials = vertex_materials(surface.mesh());
@@ -86,7 +85,6 @@ ErrorShares error_shares(const Scene& scene, const BakedColors& baked, const Col
   }
   shares.clipping = rms_of_difference(surface, clipped, baked.colors);
   shares.quantisation = rms_of_difference(surface, stored, clipped);
-  if (baked.certificate && stored == baked.colors) shares.clipping = shares.quantisation = std::nullopt;
   return shares;
 }
 

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <optional>
-
 #include "lambake/bake/bake.h"
 #include "lambake/scene/scene.h"
 
@@ -11,10 +9,8 @@ namespace lambake {
 /// step alone. Their squares add up to that of the whole as far as the steps are independent.
 struct ErrorShares {
   double interpolation = 0;  ///< Of the colours as computed against per-pixel lighting.
-  /// Of colours clamped to what the storage holds against those as computed; none where it is part of
-  /// `interpolation`, as the colours of `adaptive` are fitted to what is stored.
-  std::optional<double> clipping;
-  std::optional<double> quantisation;  ///< Of the colours as stored against the clamped ones; or none.
+  double clipping = 0;       ///< Of colours clamped to what the storage holds against those as computed.
+  double quantisation = 0;   ///< Of the colours as stored against the clamped ones.
 };
 
 /// @param baked          colours as computed.

@@ -73,8 +73,8 @@ std::string report_json(const Comparison& c) {
                      {"display", surface_json(c.surface_display, c.max_bound_display)}};
   json["heat_map_scale"] = heat_map_scale(c.per_vertex, c.per_fragment, c.visibility);
   json["error_shares"] = {{"interpolation", c.shares.interpolation},
-                          {"clipping", c.shares.clipping.value_or(NAN)},
-                          {"quantisation", c.shares.quantisation.value_or(NAN)}};
+                          {"clipping", c.shares.clipping},
+                          {"quantisation", c.shares.quantisation}};
   const std::vector<SurfacePlace>& worst = c.surface_display.worst;
   json["max_at"] = worst.empty() ? Json(nullptr) : place_json(worst.front());
   json["worst"] = Json::array();

@@ -135,25 +135,18 @@ std::string numbers_section(const Comparison& c) {
 
 /// What each step from the light to the file adds.
 std::string shares_section(const Comparison& c) {
-  const double largest =
-      std::max({c.shares.interpolation, c.shares.clipping.value_or(0), c.shares.quantisation.value_or(0)});
+  const double largest = std::max({c.shares.interpolation, c.shares.clipping, c.shares.quantisation});
   if (!(largest > 0)) return {};
   std::string html = section_begin("steps", "What makes the difference") +
                      "<table class=\"table lights\">\n" +
                      table_head({"Step", "its own RMSE, linear"}, CellKind::text);
-  using Share = std::tuple<const char*, const char*, std::optional<double>>;
+  using Share = std::tuple<const char*, const char*, double>;
   for (const auto& [name, meaning, value] :
-       {Share{"Interpolation",
-              c.shares.quantisation
-                  ? "light known at the vertices only"
-                  : "light known at the vertices only, in colours fitted to what the file holds",
-              c.shares.interpolation},
+       {Share{"Interpolation", "light known at the vertices only", c.shares.interpolation},
         Share{"Clipping", "colours above 1 cut off by the file", c.shares.clipping},
-        Share{"Quantisation", "colours rounded to the steps of the file", c.shares.quantisation}}) {
-    if (!value) continue;
+        Share{"Quantisation", "colours rounded to the steps of the file", c.shares.quantisation}})
     html += fmt::format("<tr><th scope=\"row\">{}<small>{}</small></th>{}</tr>\n", name, meaning,
-                        bar_cell(100 * *value / largest, short_number(*value)));
-  }
+                        bar_cell(100 * value / largest, short_number(value)));
   return html + "</tbody>\n</table>\n</section>\n";
 }
 
