@@ -153,16 +153,16 @@ class GroupNormals {
   /// @returns false if some of the groups have no direction.
   bool sum_windows(std::span<const std::size_t> windows) {
     if (windows.empty()) return true;
-    const std::size_t n_workers = std::min(thread_count(), windows.size());
-    std::vector<NormalSum> sums(n_workers * window_size_);
+    const std::size_t n_workers = std::min(thread_count(), windows.size()),
+                      n_sums = std::min(window_size_, n_groups_);
+    std::vector<NormalSum> sums(n_workers * n_sums);
     std::atomic<bool> have_directions{true};
     std::atomic<std::size_t> n_begun{0};
     // The sums of one thread stay in its cache from window to window.
     parallel_blocks(n_workers, 1, [&](std::size_t worker, std::size_t) {
       for (std::size_t i = n_begun++; i < windows.size(); i = n_begun++) {
         const std::size_t w = windows[i];
-        if (!sum_window(w, std::span(sums).subspan(worker * window_size_, windows_[w].n)))
-          have_directions = false;
+        if (!sum_window(w, std::span(sums).subspan(worker * n_sums, windows_[w].n))) have_directions = false;
       }
     });
     return have_directions;
