@@ -215,9 +215,12 @@ void print_summary(const Comparison& comparison) {
   const ImageError& image = comparison.image_display;
   const SurfaceError& surface = comparison.surface_display;
   print_result("per vertex against per pixel, on screen, in steps of 1/255\n");
-  print_result("  picture   rmse {:.3f}  max {:.1f}  {} of {} pixels off by more than one step\n",
-               image.rmse * 255, image.max * 255, group_digits(image.pixels_over_1_255),
-               group_digits(image.pixels));
+  if (image.pixels == 0)
+    print_result("  picture   shows nothing of the model\n");
+  else
+    print_result("  picture   rmse {:.3f}  max {:.1f}  {} of {} {} off by more than one step\n",
+                 image.rmse * 255, image.max * 255, group_digits(image.pixels_over_1_255),
+                 group_digits(image.pixels), in_number(image.pixels, "pixel[|s]"));
   const double bound = *comparison.max_bound_display;
   print_result(
       "  surface   rmse {:.3f}  max {:.1f} found, {}\n", surface.rmse * 255, surface.max_sampled * 255,

@@ -413,7 +413,9 @@ void check_camera_options(const CameraOptions& options) {
   const bool has_place = !options.eye.empty(), has_more = !options.target.empty() || options.fov_deg;
   if (!options.camera.empty() && (has_place || has_more || !options.up.empty()))
     throw InvalidOption("--camera: expected no --eye, --target, --fov-deg or --up with it");
-  if (has_more && !has_place) throw InvalidOption("--target, --fov-deg: expected --eye with them");
+  if (has_more && !has_place)
+    throw InvalidOption(
+        fmt::format("{}: expected --eye with it", options.fov_deg ? "--fov-deg" : "--target"));
   if (has_place) parse_numbers("--eye", options.eye, 3, 3);
   if (!options.target.empty()) parse_numbers("--target", options.target, 3, 3);
   if (options.fov_deg && !(*options.fov_deg > 0 && *options.fov_deg < 180))

@@ -38,6 +38,7 @@ TEST(CommandLine, PictureThatShowsNothing_IsTold_AndHasNoErrorToPass) {
   const ToolResult compared = run_tool(folder, "compare" + away + "-o out --fail-above rmse=0.5");
   EXPECT_EQ(compared.exit_code, 1);
   EXPECT_NE(compared.err.find("shows nothing"), std::string::npos) << compared.err;
+  EXPECT_NE(compared.out.find("picture   shows nothing"), std::string::npos) << compared.out;
   const auto report = nlohmann::json::parse(read_bytes(folder / "out/report.json"));
   EXPECT_TRUE(report["image"]["display"]["rmse"].is_null());
   EXPECT_TRUE(report["image"]["linear"]["max"].is_null());

@@ -68,8 +68,9 @@ std::optional<std::size_t> find_scene(const GltfAsset& asset, const std::string&
   std::size_t number = 0;
   const auto [end, error] = std::from_chars(choice.data(), choice.data() + choice.size(), number);
   if (error == std::errc() && end == choice.data() + choice.size() && number < scenes.size()) return number;
-  throw InvalidOption(fmt::format("{}: expected the name or the number of one of its {} scenes, found \"{}\"",
-                                  asset.path, scenes.size(), choice));
+  throw InvalidOption(
+      fmt::format("{}: expected the name or the number of a scene, of which it has {}, found \"{}\"",
+                  asset.path, scenes.size(), choice));
 }
 
 }  // namespace
