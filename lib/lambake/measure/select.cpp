@@ -76,9 +76,10 @@ std::string verdict(const Selection& selection, const BakeOptions& options, std:
     return fmt::format(
         "not decided in {:g} s: {} vertices leave {} where {} is asked; with more time cutting goes on",
         options.max_seconds, count, left, asked);
-  if (options.max_vertices > 0)
+  if (options.max_vertices > 0 && best.n_vertices >= options.max_vertices)
     return fmt::format(
-        "not decided with at most {} vertices: {} leave {} where {} is asked; with more cutting goes on",
+        "not decided with at most {} vertices: {} leave {} where {} is asked; with more of them cutting goes "
+        "on",
         group_digits(options.max_vertices), count, left, asked);
   return fmt::format("per-pixel lighting is needed: even {} vertices leave {} where {} is asked", count, left,
                      asked);
