@@ -217,6 +217,10 @@ TEST(Adaptive, MaxVertices_StopsThereAndSaysSo) {
   EXPECT_FALSE(baked.certificate->is_certified);
   EXPECT_GT(baked.certificate->open_triangles, 0U);
   EXPECT_GE(baked.certificate->max_bound, surface_error(scene, baked, ErrorSpace::display).max_sampled);
+  const auto is_open = [](const Finding& f) { return f.code == "open_triangles"; };
+  const auto told = std::find_if(baked.findings.begin(), baked.findings.end(), is_open);
+  ASSERT_NE(told, baked.findings.end());
+  EXPECT_NE(told->text.find("no more vertices may be made"), std::string::npos) << told->text;
 }
 
 /// Barycentrics in the triangle of the foot of p in its plane.

@@ -217,6 +217,7 @@ TEST_F(MeshFileTest, ObjFaceThatRepeatsAVertex_IsKeptWithoutACopy) {
   EXPECT_EQ(file.scene.mesh.n_vertices(), 3u);
   EXPECT_EQ(file.scene.mesh.triangles, (std::vector<glm::uvec3>{{0, 0, 1}, {0, 1, 2}, {2, 0, 1}}));
   EXPECT_EQ(count_of(file, "repeated_vertex_faces"), 1u);
+  EXPECT_EQ(count_of(file, "repeated_corners"), 1u);
 }
 
 TEST_F(MeshFileTest, ObjWithAByteOrderMark_KeepsItsFirstVertex) {
@@ -296,6 +297,23 @@ TEST_F(MeshFileTest, OffColors_AreWholeNumbersOrFloatsForTheWholeFile) {
   EXPECT_EQ(first_color("1 0 0", "0 0.5 0"), (LinearRgb{1, 0, 0}));
   EXPECT_EQ(first_color("255 0 0 255", "0 128 0 255"), (LinearRgb{1, 0, 0}));
   EXPECT_FLOAT_EQ(first_color("1 0 0", "0 128 0").r, srgb_decode(1.0f / 255.0f));
+}
+
+TEST_F(MeshFileTest, OffColors_StandBeforeTextureCoordinates) {
+  const auto of = [this](const std::string& header, const std::string& color) {
+    return read("a.off", header + "\n3 1 0\n0 0 0 " + color + " 0.5 0\n1 0 0 " + color + " 1 0\n0 1 0 " +
+                             color + " 0 1\n3 0 1 2\n")
+        .scene.mesh;
+  };
+  for (const char* header : {"STCOFF", "STOFF"})
+    for (const std::string color : {"255 0 0", "1.0 0 0", "255 0 0 51", "1 0. 0 .2"}) {
+      const Mesh mesh = of(header, color);
+      EXPECT_EQ(mesh.colors, (std::vector<LinearRgb>(3, {1, 0, 0}))) << color;
+      EXPECT_EQ(mesh.texcoords[0][0], (glm::vec2{0.5f, 1})) << color;
+      EXPECT_EQ(mesh.opacities, std::vector<float>(color.size() > 7 ? 3 : 0, 0.2f)) << color;
+    }
+  EXPECT_EQ(of("STCNOFF", "0 0 2 0 255 0").normals[0], (glm::vec3{0, 0, 1}));
+  EXPECT_EQ(of("STCNOFF", "0 0 2 0 255 0").colors[0], (LinearRgb{0, 1, 0}));
 }
 
 TEST_F(MeshFileTest, OpacitiesBehindColors_AreThoseOfTheVertices) {
@@ -394,6 +412,10 @@ TEST_F(MeshFileTest, BinaryStlThatBeginsWithSolid_IsBinaryWithBytesBehindItToo) 
   const SceneFile file = read("b.stl", bytes + "12345");
   EXPECT_EQ(file.format, "STL binary");
   EXPECT_EQ(count_of(file, "trailing_bytes"), 5u);
+  EXPECT_EQ(refusal_of(write("c.stl", bytes.substr(0, 130))),
+            (folder / "c.stl").string() +
+                ": byte 80: expected a count of at most 0 triangles, as many as 130 "
+                "bytes hold, found 1");
 }
 
 /// Area of all polygons by the shoelace formula in space, and of the triangles, by file face.

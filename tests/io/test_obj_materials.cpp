@@ -62,6 +62,16 @@ TEST_F(ObjMaterialsTest, SmoothingThatIsNotRead_IsToldWhereThereAreNoNormals) {
             std::make_pair(std::size_t{0}, std::size_t{0}));
 }
 
+TEST_F(ObjMaterialsTest, Keywords_MayBeOfAnyCase) {
+  const Material material = read_material("kd 1 0 0\nKE 0 1 0\n");
+  EXPECT_EQ(material.base_color, (LinearRgb{1, 0, 0}));
+  EXPECT_EQ(material.emission, (LinearRgb{0, 1, 0}));
+  write("a.mtl", "NEWMTL m\nMAP_KD missing.png\nTR 0.5\n");
+  const SceneFile file = read("a.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n");
+  for (const char* code : {"unreadable_textures", "transparent_materials"})
+    EXPECT_EQ(count_of(file, code), 1u) << code;
+}
+
 TEST_F(ObjMaterialsTest, Diffuse_BecomesBaseColorByFace) {
   write("a.mtl", "newmtl red one\nKd 1 0 0\nmap_Kd -s 1 1 missing.png\nnewmtl grey\nKd 0.5 0.5 0.5\n");
   const SceneFile file = read("a.obj",

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -72,6 +73,29 @@ TEST_F(PlyReadTest, Textures_NamesInLatin1BecomeUtf8_NumbersThatAreNoneAreOfNone
   const Scene scene = read("a.ply", text).scene;
   EXPECT_EQ(scene.materials[0].name, "gr\u00FCn.png");
   EXPECT_EQ(scene.mesh.materials, (std::vector<std::uint32_t>{0, 1, 1}));
+}
+
+TEST_F(PlyReadTest, TexturesThatTheFileDoesNotList_AreCounted) {
+  std::string text = ply("", "property int texnumber\n", 3, 4,
+                         "0 0 0\n1 0 0\n1 1 0\n3 0 1 2 0\n3 0 1 2 -1\n3 0 1 2 1\n3 0 1 2 7\n");
+  EXPECT_EQ(count_of(read("a.ply", text), "unknown_textures"), 0u);
+  text.insert(text.find("element vertex"), "comment TextureFile missing.png\n");
+  EXPECT_EQ(count_of(read("a.ply", text), "unknown_textures"), 2u);
+}
+
+TEST_F(PlyReadTest, ColorsOfOtherNames_AreRead) {
+  for (const std::string names : {"red green blue alpha", "r g b a", "Red Green Blue Alpha",
+                                  "diffuse_red diffuse_green diffuse_blue diffuse_alpha"}) {
+    std::istringstream words(names);
+    std::string properties;
+    for (std::string name; words >> name;) properties += "property uchar " + name + "\n";
+    const Mesh mesh = read("a.ply", ply(properties, "", 3, 1,
+                                        "0 0 0 255 0 0 51\n1 0 0 255 0 0 51\n1 1 0 255 0 0 51\n3 0 1 2\n"))
+                          .scene.mesh;
+    EXPECT_EQ(mesh.colors, (std::vector<LinearRgb>(3, {1, 0, 0}))) << names;
+    ASSERT_EQ(mesh.opacities.size(), 3u) << names;
+    EXPECT_FLOAT_EQ(mesh.opacities[2], 0.2f) << names;
+  }
 }
 
 TEST_F(PlyReadTest, LinesAndBytesBehindTheLastElement_AreTold) {

@@ -24,6 +24,7 @@ class PlyWrite : public testing::Test {
     mesh.normals = {{0, 0, 1}, {0, 1, 0}, {1, 0, 0}, {0, 0, -1}};
     mesh.texcoords[0] = {{0, 0}, {1, 0.25f}, {0.5f, 1}, {2, -1}};
     mesh.opacities = {1, 0.5f, 0, 1};
+    scene.materials[0].alpha_mode = AlphaMode::blend;
     mesh.triangles = {{0, 1, 2}, {2, 1, 3}};
     baked.colors = {{0, 0.5f, 1}, {0.18f, 0.002f, 0.9f}, {0.25f, 0.75f, 0.1f}, {1, 1, 1}};
   }
@@ -58,7 +59,10 @@ TEST_F(PlyWrite, FloatColors_ComeBackToTheBitAndUnclamped) {
   baked.colors[0] = {0.001f, 4, 1e-9f};
   const Mesh mesh = write_and_read({.color = ColorStorage::f32});
   EXPECT_EQ(mesh.colors, baked.colors);
+  EXPECT_EQ(mesh.opacities, scene.mesh.opacities);
   EXPECT_EQ(written.clipped_vertices, 0u);
+  scene.mesh.opacities = {1, 1, 1, 1};
+  EXPECT_TRUE(write_and_read({.color = ColorStorage::f32}).opacities.empty());
 }
 
 TEST_F(PlyWrite, ColorsAboveOne_AreCounted) {
@@ -86,6 +90,15 @@ TEST_F(PlyWrite, OpacityOfTheMaterial_IsInTheAlpha) {
   ASSERT_EQ(mesh.opacities.size(), 4u);
   for (std::size_t v = 0; v < 4; ++v)
     EXPECT_NEAR(mesh.opacities[v], 0.5f * scene.mesh.opacities[v], 1.0f / 255) << v;
+}
+
+TEST_F(PlyWrite, OpacityOfAnOpaqueMaterial_IsOne_AndOfAMaskedOneNothingBetween) {
+  scene.materials[0].alpha_mode = AlphaMode::opaque;
+  EXPECT_EQ(write_and_read().opacities, (std::vector<float>{1, 1, 1, 1}));
+  scene.materials[0].alpha_mode = AlphaMode::mask;
+  EXPECT_EQ(write_and_read().opacities, (std::vector<float>{1, 1, 0, 1}));
+  scene.materials[0].alpha_cutoff = 0.75f;
+  EXPECT_EQ(write_and_read().opacities, (std::vector<float>{1, 0, 0, 1}));
 }
 
 TEST_F(PlyWrite, ColorsOfAnotherMesh_AreRefused) {

@@ -193,8 +193,11 @@ class AdaptiveBake {
     else
       add_finding(findings, "unbounded_triangles", n_unbounded,
                   "triangle[ is|s are] touched by a light, so that the error there has no bound");
+    const char* const why = deadline_.is_past()   ? ": the time was up"
+                            : !search_.has_room() ? ": no more vertices may be made (--max-vertices)"
+                                                  : "";
     add_finding(findings, "open_triangles", n_open - n_unbounded,
-                "triangle[ is|s are] not certified to be within the tolerance");
+                std::string("triangle[ is|s are] not certified to be within the tolerance") + why);
     add_finding(
         findings, "triangles_open_by_position", n_moved(),
         "of them ha[s|ve] corners that cuts made and that float rounds too far for [it|them]: "

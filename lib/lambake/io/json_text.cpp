@@ -37,7 +37,13 @@ void check_depth(const std::string& path, std::string_view text) {
 
 void throw_no_json(const std::string& path, const std::string& reason) {
   constexpr std::size_t longest = 300;
-  throw IoError(path, "expected JSON: " + shortened(reason, longest));
+  constexpr std::string_view before_place = "parse error at ";
+  const std::size_t place = reason.find(before_place), end = reason.find(": ", place);
+  if (place == std::string::npos || end == std::string::npos)
+    throw IoError(path, "expected JSON: " + shortened(reason, longest));
+  const std::size_t begin = place + before_place.size();
+  throw IoError(path, fmt::format("{}: expected JSON: {}", reason.substr(begin, end - begin),
+                                  shortened(reason.substr(end + 2), longest)));
 }
 
 }  // namespace lambake

@@ -25,7 +25,8 @@ std::string shown(const Json& value) {
 /// @throws IoError.
 void check_depth(const std::string& path, std::string_view text);
 
-/// The error for text that is no JSON. @param reason  of the parser; may hold a megabyte of data.
+/// The error for text that is no JSON. @param reason  nlohmann's, from which its place is taken; may hold a
+/// megabyte of data.
 [[noreturn]] void throw_no_json(const std::string& path, const std::string& reason);
 
 }  // namespace lambake

@@ -198,12 +198,18 @@ SceneFile read_mesh_file(const std::string& path) {
 
   result.scene.materials = std::move(file.materials);
   if (result.scene.materials.empty()) result.scene.materials.emplace_back();
+  if (!mesh.opacities.empty())
+    for (Material& material : result.scene.materials) material.alpha_mode = AlphaMode::blend;
   drop_unplaced_textures(file.has_material_texcoords, mesh, result.scene.materials, result.findings);
   result.scene.textures = std::move(file.textures);
   result.scene.images = std::move(file.images);
   add_finding(result.findings, "split_vertices", mesh.n_vertices() - result.n_vertices,
               "cop[y of a vertex was|ies of vertices were] made where corners differ in normal, texture "
               "coordinate, colour or material");
+  add_finding(
+      result.findings, "repeated_corners", arrays.n_repeated_corners,
+      "corner[ of a polygon repeats the one before; left out|s of polygons repeat the one before; left "
+      "out]");
   add_finding(result.findings, "odd_polygons", arrays.n_odd_polygons,
               "polygon[ crosses itself, has no area or is|s cross themselves, have no area or are] not "
               "finite; some of [its|their] triangles may overlap");

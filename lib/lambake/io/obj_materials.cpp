@@ -8,6 +8,7 @@
 
 #include "lambake/core/utf8.h"
 #include "lambake/io/file_color.h"
+#include "lambake/io/file_extension.h"
 #include "lambake/io/image_file.h"
 #include "lambake/io/input_file.h"
 #include "lambake/io/text_encoding.h"
@@ -65,10 +66,10 @@ bool is_transparency(TextCursor& cursor, std::string_view keyword) {
   if (token == "-halo") token = cursor.token();
   const std::optional<float> value = number_of(token);
   if (keyword == "d") return value && *value < 1;
-  if (keyword == "Tr") return value && *value > 0 && *value < 1;
+  if (keyword == "tr") return value && *value > 0 && *value < 1;
   bool is_white = value == 1;
   while (!cursor.at_line_end()) is_white = number_of(cursor.token()) == 1 && is_white;
-  return keyword == "Tf" && !is_white;
+  return keyword == "tf" && !is_white;
 }
 
 }  // namespace
@@ -97,7 +98,7 @@ void ObjMaterials::read_library(const std::string& name) {
   Entry* entry = nullptr;
   TextCursor cursor(library, text, '#');
   for (; cursor.skip_to_token(); cursor.next_line()) {
-    const std::string_view keyword = cursor.token();
+    const std::string keyword = in_lower_case(std::string(cursor.token()));
     if (keyword == "newmtl") {
       entry = &entries_[std::string(cursor.rest_of_line())];
       *entry = {};
@@ -108,15 +109,15 @@ void ObjMaterials::read_library(const std::string& name) {
 }
 
 void ObjMaterials::read_line(TextCursor& cursor, std::string_view keyword, Entry& entry) {
-  if (keyword == "Kd") {
+  if (keyword == "kd") {
     entry.diffuse = read_color(cursor, "three numbers after Kd").value_or(LinearRgb{1, 1, 1});
-  } else if (keyword == "Ke") {
+  } else if (keyword == "ke") {
     entry.emission = read_color(cursor, "three numbers after Ke").value_or(LinearRgb{0, 0, 0});
-  } else if (keyword == "map_Kd") {
+  } else if (keyword == "map_kd") {
     entry.texture = std::string(skip_map_options(cursor, n_options_));
-  } else if (keyword == "map_Ke") {
+  } else if (keyword == "map_ke") {
     entry.emission_texture = std::string(skip_map_options(cursor, n_options_));
-  } else if (keyword == "d" || keyword == "Tr" || keyword == "Tf" || keyword == "map_d") {
+  } else if (keyword == "d" || keyword == "tr" || keyword == "tf" || keyword == "map_d") {
     entry.is_transparent = is_transparency(cursor, keyword) || entry.is_transparent;
   }
 }

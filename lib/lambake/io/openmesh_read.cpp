@@ -61,6 +61,7 @@ class ArrayImporter : public IO::BaseImporter {
       polygon_.clear();
       for (const VertexHandle v : corners) polygon_.push_back(static_cast<std::uint32_t>(v.idx()));
       has_polygons_ = true;
+      count_repeated_corners();
       arrays_.n_odd_polygons += !triangulate_polygon(arrays_.positions, polygon_, arrays_.triangles);
     }
     if (has_polygons_) arrays_.faces.resize(arrays_.triangles.size(), face);
@@ -107,6 +108,11 @@ class ArrayImporter : public IO::BaseImporter {
   void add_texture_information(int, std::string) override {}
 
  private:
+  void count_repeated_corners() {
+    std::size_t n = 0;
+    for (std::size_t i = 0; i < polygon_.size(); ++i) n += polygon_[i] == polygon_[(i + 1) % polygon_.size()];
+    if (polygon_.size() - n >= 3) arrays_.n_repeated_corners += n;
+  }
   static std::size_t index(VertexHandle v) { return static_cast<std::size_t>(v.idx()); }
 
   OpenMeshArrays& arrays_;

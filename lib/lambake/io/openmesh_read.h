@@ -17,7 +17,8 @@ struct OpenMeshArrays {
   std::vector<glm::uvec3> triangles;
   std::vector<std::uint32_t> faces;  ///< The face of each triangle, or none: the identity.
   std::size_t n_faces = 0;
-  std::size_t n_odd_polygons = 0;  ///< Polygons that cross themselves, have no area or are not finite.
+  std::size_t n_repeated_corners = 0;  ///< Of polygons: equal to the one before, and left out.
+  std::size_t n_odd_polygons = 0;      ///< Polygons that cross themselves, have no area or are not finite.
 };
 
 /// Reads the canonical bytes through OpenMesh's reader of the format into plain arrays; no half-edges are

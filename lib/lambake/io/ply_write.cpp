@@ -44,6 +44,25 @@ bool has_texture(const Mesh& mesh, const Scene& scene, const Material& material)
   return has(material.base_color_texture) || (has_emission(material) && has(material.emission_texture));
 }
 
+/// How much of each vertex is seen; none if all of all of them. What a material's texture says of it is not
+/// in this.
+std::vector<float> opacities_of(const Scene& scene, const Mesh& mesh,
+                                const std::vector<std::uint32_t>& materials) {
+  std::vector<float> opacities;
+  const auto is_opaque = [](const Material& m) { return m.alpha_mode == AlphaMode::opaque; };
+  if (std::all_of(scene.materials.begin(), scene.materials.end(), is_opaque)) return opacities;
+  opacities.resize(mesh.n_vertices(), 1.0f);
+  for (std::size_t v = 0; v < opacities.size(); ++v) {
+    const Material& material = scene.materials[materials[v]];
+    if (is_opaque(material)) continue;
+    const float opacity = material.opacity * (mesh.opacities.empty() ? 1.0f : mesh.opacities[v]);
+    const bool is_mask = material.alpha_mode == AlphaMode::mask;
+    opacities[v] = is_mask ? static_cast<float>(opacity >= material.alpha_cutoff) : opacity;
+  }
+  if (std::all_of(opacities.begin(), opacities.end(), [](float o) { return o >= 1; })) opacities.clear();
+  return opacities;
+}
+
 PlyElement vertex_element(const Mesh& mesh) {
   PlyElement vertex{"vertex", mesh.n_vertices()};
   add_properties(vertex, PlyType::f32, {"x", "y", "z"});
@@ -147,6 +166,8 @@ WrittenColors write_ply_file(const std::string& path, const Scene& scene, const 
     add_properties(vertex, PlyType::f32, {"red", "green", "blue"});
   else
     add_properties(vertex, PlyType::u8, {"red", "green", "blue", "alpha"});
+  const std::vector<float> opacities = opacities_of(scene, mesh, materials);
+  if (is_float && !opacities.empty()) add_properties(vertex, PlyType::f32, {"alpha"});
   const PlyElement face = face_element(mesh);
   std::vector<std::string> comments{made_by()};
   if (is_float) comments.emplace_back(ply_linear_colors_comment);
@@ -159,10 +180,10 @@ WrittenColors write_ply_file(const std::string& path, const Scene& scene, const 
     if (has_texcoords) append(row, glm::vec2(mesh.texcoords[0][v].x, 1 - mesh.texcoords[0][v].y));
     if (is_float) {
       append(row, colors[v]);
+      if (!opacities.empty()) append(row, opacities[v]);
     } else {
       append(row, to_srgb8(colors[v]));
-      const float opacity =
-          scene.materials[materials[v]].opacity * (mesh.opacities.empty() ? 1.0f : mesh.opacities[v]);
+      const float opacity = opacities.empty() ? 1.0f : opacities[v];
       append(row, static_cast<std::uint8_t>(std::clamp(opacity, 0.0f, 1.0f) * 255.0f + 0.5f));
     }
   });

@@ -44,28 +44,45 @@ OffHeader scan_header(TextCursor& cursor) {
   return header;
 }
 
+/// The numbers that are left on a line.
+struct LineNumbers {
+  float values[6];
+  int n = 0;
+  bool has_float = false;  // Among those of the colour.
+};
+
+/// @param n_behind  how many are behind the colour.
+LineNumbers scan_line(TextCursor& cursor, int n_behind, const char* expected) {
+  LineNumbers line;
+  bool is_float[6];
+  for (; !cursor.at_line_end(); ++line.n) {
+    if (line.n == 4 + n_behind) cursor.fail("the end of the line", cursor.token());
+    const char* const begin = cursor.position();
+    line.values[line.n] = cursor.number(expected);
+    const std::string_view token(begin, static_cast<std::size_t>(cursor.position() - begin));
+    is_float[line.n] = token.find_first_of(".eEnN") != std::string_view::npos;
+  }
+  for (int i = 0; i < line.n - n_behind; ++i) line.has_float |= is_float[i];
+  return line;
+}
+
 /// Colours of the vertices or of the faces: whole numbers to 255, or floats to 1, the same for all of a file.
 class OffColors {
  public:
   bool empty() const { return colors_.empty(); }
   std::size_t n_given() const { return is_given_.size() - n_missing_; }
-  /// Reads what is left on the line: nothing, an index into a colour map (not read), r g b, or r g b alpha.
-  void scan(TextCursor& cursor) {
-    float values[4];
-    int n = 0;
-    for (; !cursor.at_line_end(); ++n) {
-      if (n == 4) cursor.fail("the end of the line", cursor.token());
-      const char* const begin = cursor.position();
-      values[n] = cursor.number("a colour");
-      const std::string_view token(begin, static_cast<std::size_t>(cursor.position() - begin));
-      is_float_ = is_float_ || token.find_first_of(".eEnN") != std::string_view::npos;
-    }
+  /// Takes what is left on the line: nothing, an index into a colour map (not read), r g b, or r g b alpha.
+  void scan(TextCursor& cursor) { add(scan_line(cursor, 0, "a colour"), 0); }
+  /// @param n_behind  how many of the numbers are not of the colour, behind it.
+  void add(const LineNumbers& line, int n_behind) {
+    const int n = line.n - n_behind;
+    is_float_ = is_float_ || line.has_float;
     if (n >= 3) {
       colors_.resize(is_given_.size());  // Most files have none at all.
-      colors_.push_back({values[0], values[1], values[2]});
+      colors_.push_back({line.values[0], line.values[1], line.values[2]});
       if (n == 4) {
         opacities_.resize(is_given_.size(), opacity_not_given);
-        opacities_.push_back(values[3]);
+        opacities_.push_back(line.values[3]);
       }
     } else {
       n_map_indices_ += n > 0;
@@ -173,15 +190,10 @@ class OffScan {
       if (header_.has_normals) file_.normals.push_back(scan_vector("three numbers of a normal"));
       if (header_.has_texcoords) {
         // The last two numbers of the line, behind a colour if there is one.
-        float values[6];
-        int n = 0;
-        for (; !cursor_.at_line_end(); ++n) {
-          if (n == 6) cursor_.fail("the end of the line", cursor_.token());
-          values[n] = cursor_.number("a colour or a texture coordinate");
-        }
-        if (n < 2) cursor_.fail("a texture coordinate", {});
-        file_.texcoords.emplace_back(values[n - 2], values[n - 1]);
-        n_textured_colors_ += n >= 5;
+        const LineNumbers line = scan_line(cursor_, 2, "a colour or a texture coordinate");
+        if (line.n < 2) cursor_.fail("a texture coordinate", {});
+        file_.texcoords.emplace_back(line.values[line.n - 2], line.values[line.n - 1]);
+        vertex_colors_.add(line, 2);
       } else {
         vertex_colors_.scan(cursor_);
       }
@@ -214,8 +226,6 @@ class OffScan {
 
   void finish() {
     Findings& findings = file_.findings;
-    add_finding(findings, "unread_colors", n_textured_colors_,
-                "vert[ex has|ices have] a colour before a texture coordinate; not read");
     add_finding(findings, "lines_left_over", cursor_.count_lines(),
                 "line[|s] behind the last face [is|are] not read");
     // Colours of the vertices are finer than those of the faces: where a file has both, they win.
@@ -268,7 +278,6 @@ class OffScan {
   OffColors vertex_colors_, face_colors_;
   KeptFaces kept_;
   std::string vertex_rows_, face_rows_;
-  std::size_t n_textured_colors_ = 0;
 };
 
 }  // namespace

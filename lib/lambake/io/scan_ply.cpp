@@ -13,6 +13,7 @@
 #include "lambake/io/canonical_ply.h"
 #include "lambake/io/corner_attributes.h"
 #include "lambake/io/file_color.h"
+#include "lambake/io/file_extension.h"
 #include "lambake/io/file_texture.h"
 #include "lambake/io/input_file.h"
 #include "lambake/io/plain_ply.h"
@@ -45,13 +46,14 @@ Role role_in_vertex(const PlyProperty& p) {
                                            {"nz"},
                                            {"u", "s", "texture_u"},
                                            {"v", "t", "texture_v"},
-                                           {"red", "diffuse_red"},
-                                           {"green", "diffuse_green"},
-                                           {"blue", "diffuse_blue"},
-                                           {"alpha"}};
+                                           {"red", "diffuse_red", "r"},
+                                           {"green", "diffuse_green", "g"},
+                                           {"blue", "diffuse_blue", "b"},
+                                           {"alpha", "diffuse_alpha", "a"}};
+  const std::string name = in_lower_case(p.name);
   if (!p.is_list)
     for (std::size_t i = 0; i < std::size(names); ++i)
-      if (std::find(std::begin(names[i]), std::end(names[i]), p.name) != std::end(names[i]))
+      if (std::find(std::begin(names[i]), std::end(names[i]), name) != std::end(names[i]))
         return static_cast<Role>(static_cast<std::size_t>(Role::x) + i);
   return Role::none;
 }
@@ -228,6 +230,8 @@ class PlyScan {
         n_odd_texcoords += !split_corners(face, material) && has_texcoords;
       append_face(face.corners);
     }
+    add_finding(file_.findings, "unknown_textures", n_unknown_textures_,
+                "face[ names a texture|s name textures] that the file does not list; white instead");
     add_finding(file_.findings, "odd_texcoords", n_odd_texcoords,
                 "face[ has|s have] no texture coordinate for each corner; (0,0) instead");
   }
@@ -268,9 +272,11 @@ class PlyScan {
     return is_mapped;
   }
 
-  std::uint32_t material_of_texture(double number) const {
+  std::uint32_t material_of_texture(double number) {
     const auto n = static_cast<std::uint32_t>(header_.texture_files.size());
-    return number >= 0 && number < n ? static_cast<std::uint32_t>(number) : n;
+    if (number >= 0 && number < n) return static_cast<std::uint32_t>(number);
+    n_unknown_textures_ += n > 0 && number >= n;
+    return n;
   }
 
   void read_indices(const PlyProperty& p, std::vector<std::uint32_t>& corners) {
@@ -355,6 +361,7 @@ class PlyScan {
   KeptFaces kept_;
   ChannelNumbers channels_ = ChannelNumbers::whole;  // Of the colours that are used.
   std::string vertex_rows_, face_rows_;
+  std::size_t n_unknown_textures_ = 0;
 };
 
 }  // namespace

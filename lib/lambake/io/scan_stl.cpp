@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cstring>
 #include <limits>
 
@@ -11,6 +10,7 @@
 #include "lambake/core/value_numbers.h"
 #include "lambake/io/canonical_file.h"
 #include "lambake/io/canonical_ply.h"
+#include "lambake/io/file_extension.h"
 #include "lambake/io/input_file.h"
 #include "lambake/io/text_blocks.h"
 #include "lambake/io/text_cursor.h"
@@ -89,9 +89,7 @@ void scan_binary(const std::string& path, InputFile& input, CanonicalFile& file)
 }
 
 bool is_keyword(std::string_view token, std::string_view keyword) {
-  return token.size() == keyword.size() &&
-         std::equal(token.begin(), token.end(), keyword.begin(),
-                    [](char a, char b) { return std::tolower(static_cast<unsigned char>(a)) == b; });
+  return token.size() == keyword.size() && in_lower_case(std::string(token)) == keyword;
 }
 
 class AsciiStlScan {
@@ -153,14 +151,18 @@ class AsciiStlScan {
   FacetSink sink_;
 };
 
-bool has_facet(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text.find("facet") != std::string::npos;
+bool has_facet(const std::string& text) {
+  return in_lower_case(text).find("facet") != std::string::npos;
+}
+
+/// Whether bytes that begin as a text does have others that no text has.
+bool is_no_text(const std::string& text) {
+  return is_keyword(std::string_view(text).substr(0, 5), "solid") &&
+         std::any_of(text.begin(), text.end(), [](unsigned char c) { return c < '\t'; });
 }
 
 /// By the size, as the header of a binary file may begin with "solid" too. Bytes may follow the facets then,
-/// if nothing in the beginning looks like a text.
+/// or be missing, if nothing in the beginning looks like a text.
 bool is_binary_stl(const std::string& path, InputFile& input) {
   std::string beginning(1024, '\0');
   beginning.resize(input.read(beginning.data(), beginning.size()));
@@ -168,7 +170,8 @@ bool is_binary_stl(const std::string& path, InputFile& input) {
     std::uint32_t n = 0;
     std::memcpy(&n, beginning.data() + 80, 4);
     const std::size_t size = binary_header_size + std::size_t{n} * facet_size;
-    if (size == input.size() || (n > 0 && size < input.size() && !has_facet(beginning))) return true;
+    if (size == input.size()) return true;
+    if (!has_facet(beginning) && ((n > 0 && size < input.size()) || is_no_text(beginning))) return true;
   }
   input.rewind();
   TextBlocks blocks(input);

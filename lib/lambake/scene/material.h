@@ -43,6 +43,7 @@ struct Texture {
 
 inline constexpr std::uint32_t no_texture = std::numeric_limits<std::uint32_t>::max();
 
+/// What opacities mean, as glTF has it: nothing, whether there is anything to see, or how much of it.
 enum class AlphaMode { opaque, mask, blend };
 
 /// A Lambertian material. Albedo = base_color ⊗ texture ⊗ vertex colour; each factor in [0,1].

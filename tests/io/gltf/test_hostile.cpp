@@ -1,5 +1,7 @@
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <functional>
 
 #include "io/gltf/files.h"
@@ -55,6 +57,48 @@ TEST(HostileGltf, GlbThatIsNone_SaysWhatItBeginsWith) {
             std::string::npos);
   EXPECT_NE(message("\xff\xd8\xff\xe0").find("found the bytes ff d8 ff e0"), std::string::npos);
   EXPECT_EQ(message(" " + triangle().dump()), "");
+}
+
+TEST(HostileGltf, TextThatIsNoJson_IsRefusedByLineAndColumn) {
+  EXPECT_NE(outcome_of("{\n  \"asset\": x}").first.find("bad.gltf: line 2, column 12: expected JSON: "),
+            std::string::npos);
+  EXPECT_NE(outcome_of(std::string("\xFF\xFE{\0", 4)).first.find("expected text in UTF-8, found UTF-16"),
+            std::string::npos);
+}
+
+TEST(HostileGltf, DataUris_MayHaveParametersAndPercents) {
+  ordered_json json = triangle();
+  const std::string base64 = "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAABAAIA";
+  std::string percents;
+  for (const char c : base64) percents += fmt::format("%{:02X}", static_cast<int>(c));
+  std::string text;  // The bytes themselves: three corners and their numbers.
+  for (int i = 0; i < 42; ++i)
+    text += i == 14 || i == 30 ? "%80" : i == 15 || i == 31 ? "?" : i == 38 ? "%01" : i == 40 ? "%02" : "%00";
+  for (const std::string& uri :
+       {"data:;base64," + base64, "DATA:application/gltf-buffer;x=y;BASE64," + base64,
+        "data:application/octet-stream;base64," + percents, "data:application/octet-stream," + text}) {
+    json["buffers"][0]["uri"] = uri;
+    write_bytes(temporary_file("data.gltf"), json.dump());
+    const Mesh mesh = read_gltf_file(temporary_file("data.gltf"), {}).scene.mesh;
+    EXPECT_EQ(mesh.positions, (std::vector<glm::vec3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}})) << uri;
+  }
+  for (const char* uri : {"data:application/octet-stream;base64", "data:;base64,@@@@"}) {
+    json["buffers"][0]["uri"] = uri;
+    EXPECT_NE(outcome_of(json.dump()).first.find("buffers[0]"), std::string::npos) << uri;
+  }
+}
+
+TEST(HostileGltf, ChunksThatNobodyKnows_AreTold) {
+  std::string json = triangle().dump();
+  json.resize((json.size() + 3) / 4 * 4, ' ');
+  const auto u32 = [](std::size_t n) {
+    return std::string{char(n), char(n >> 8), char(n >> 16), char(n >> 24)};
+  };
+  const std::string chunks = u32(json.size()) + "JSON" + json + u32(4) + "ODD " + "abcd";
+  write_bytes(temporary_file("chunks.glb"), "glTF" + u32(2) + u32(12 + chunks.size()) + chunks);
+  const SceneFile file = read_gltf_file(temporary_file("chunks.glb"), {});
+  const auto is_it = [](const Finding& f) { return f.code == "unknown_chunks" && f.count == 1; };
+  EXPECT_EQ(std::count_if(file.findings.begin(), file.findings.end(), is_it), 1);
 }
 
 TEST(HostileGltf, EachSpoiltPart_IsRefusedInOneLineThatNamesIt) {

@@ -43,6 +43,7 @@ std::size_t count_of(const Findings& findings, const std::string& code) {
 TEST(NewGltf, OpacitiesOfVertices_AreBlended_UnlessNothingWouldBeSeen) {
   const auto mode_of = [](const Glb& glb) { return glb.json["materials"][0].value("alphaMode", "OPAQUE"); };
   Square square;
+  square.file.scene.materials[0].alpha_mode = AlphaMode::blend;
   square.file.scene.mesh.opacities = {1, 1, 1, 1};
   EXPECT_EQ(mode_of(square.write()), "OPAQUE");
   EXPECT_EQ(count_of(square.written.findings, "opacities_blended"), 0U);
@@ -57,6 +58,9 @@ TEST(NewGltf, OpacitiesOfVertices_AreBlended_UnlessNothingWouldBeSeen) {
   EXPECT_EQ(count_of(square.written.findings, "opacities_not_shown"), 4U);
   square.file.scene.materials[0].alpha_mode = AlphaMode::mask;
   EXPECT_EQ(mode_of(square.write()), "MASK");
+  square.file.scene.materials[0].alpha_mode = AlphaMode::opaque;
+  square.file.scene.mesh.opacities = {1, 0.5f, 0, 1};
+  EXPECT_EQ(mode_of(square.write()), "OPAQUE");
 }
 
 TEST(NewGltf, ObjectsOfTheFile_AreNodesWithTheirNames_AndShareMaterials) {

@@ -96,6 +96,13 @@ void restore_indices(const GltfJson& json, tinygltf::Model& model) {
         model.meshes[m].primitives[p].indices = index.get<int>();
 }
 
+/// What it calls the bytes of an image, which join `buffers` if the URI holds them itself.
+std::string uri_for_tinygltf(const std::string& uri, std::vector<std::vector<unsigned char>>& buffers) {
+  if (!is_data_uri(uri)) return encode_for_tinygltf(decode_percent(uri));
+  buffers.push_back(bytes_of_data_uri(uri).value_or(std::vector<unsigned char>()));
+  return std::string(buffer_prefix) + std::to_string(buffers.size() - 1);
+}
+
 /// What tinygltf stumbles over though the specification allows it, or that it need not see.
 void prepare(GltfJson& plain, std::vector<std::vector<unsigned char>>& buffers) {
   for (std::size_t i = 0; i < buffers.size(); ++i) {
@@ -107,8 +114,7 @@ void prepare(GltfJson& plain, std::vector<std::vector<unsigned char>>& buffers) 
   if (member(plain, "images").is_array())
     for (GltfJson& image : plain["images"])
       if (const GltfJson& uri = member(image, "uri"); uri.is_string())
-        if (const std::string text = uri; !text.starts_with("data:"))
-          image["uri"] = encode_for_tinygltf(decode_percent(text));
+        image["uri"] = uri_for_tinygltf(uri, buffers);
   hide_indices_without_view(plain);
   if (member(plain, "accessors").is_array())
     for (GltfJson& accessor : plain["accessors"])
@@ -280,6 +286,7 @@ GltfAsset load_gltf_asset(const std::string& path) {
   GltfAsset asset;
   asset.path = path;
   asset.is_glb = source.is_glb;
+  asset.n_unknown_chunks = source.n_unknown_chunks;
   asset.n_file_buffers = source.buffers.size();
   GltfJson plain = source.json;
   std::vector<std::vector<unsigned char>> buffers = std::move(source.buffers);

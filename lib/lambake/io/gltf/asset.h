@@ -36,7 +36,8 @@ struct PlacedPrimitive {
 struct GltfAsset {
   std::string path;
   bool is_glb = false;
-  GltfJson json;          ///< As the file has it.
+  std::size_t n_unknown_chunks = 0;  ///< Of a GLB, beside the two that are known.
+  GltfJson json;                     ///< As the file has it.
   tinygltf::Model model;  ///< Nothing compressed, everything checked; images hold their encoded bytes.
   std::size_t n_file_buffers = 0;  ///< The first of `model.buffers` are the file's own (fallbacks: 1 byte).
   std::vector<PlacedPrimitive> placed;  ///< In the order of the mesh.

@@ -157,9 +157,12 @@ class MaterialReader {
     const std::string_view key(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     if (const auto known = image_of_.find(key); known != image_of_.end()) return known->second;
     const std::string name = fmt::format("{}: images[{}]", asset_.path, index);
-    if (bytes.empty())
-      throw IoError(name,
-                    "expected a file " + shown(member(asset_.json["images"][index], "uri")) + ", found none");
+    if (bytes.empty()) {
+      const GltfJson& uri = member(asset_.json["images"][index], "uri");
+      const bool is_data = uri.is_string() && is_data_uri(uri.get_ref<const std::string&>());
+      throw IoError(name, is_data ? "expected data:image/png;base64 or the like, found " + shown(uri)
+                                  : "expected a file " + shown(uri) + ", found none");
+    }
     Image image = decode_image(std::as_bytes(std::span(bytes)), name);
     count_pixels(image.n_pixels(), bytes.size(), name);
     scene_.images.push_back(std::move(image));

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "lambake/io/json_text.h"
+#include "lambake/io/text_encoding.h"
 
 namespace lambake {
 namespace {
@@ -94,7 +95,7 @@ class GltfJsonBuilder : public nlohmann::json_sax<GltfJson> {
 }  // namespace
 
 GltfJson parse_gltf_json(std::span<const unsigned char> text, const std::string& path) {
-  check_depth(path, {reinterpret_cast<const char*>(text.data()), text.size()});
+  check_depth(path, as_utf8(path, {reinterpret_cast<const char*>(text.data()), text.size()}));
   GltfJsonBuilder builder;
   if (!GltfJson::sax_parse(text.begin(), text.end(), &builder)) throw_no_json(path, builder.error());
   return builder.take();

@@ -312,6 +312,8 @@ class SceneReader {
         findings_, "rotations_not_unit", n_rotations_not_unit(),
         "node[ has a rotation that is|s have rotations that are] no unit quaternion; taken as [it is|they "
         "are]");
+    add_finding(findings_, "unknown_chunks", asset_.n_unknown_chunks,
+                "chunk[|s] of the GLB [is|are] of a type that is not known; left out");
     add_finding(findings_, "primitives_without_positions", n_without_positions_,
                 "placed primitive[ has|s have] no positions; kept as [it is|they are], not lit");
     add_finding(findings_, "non_finite_vertices", n_not_finite_,
@@ -376,7 +378,7 @@ SceneFile read_gltf_file(const std::string& path, const ReadOptions& options) {
   for (const char* kind : {"buffers", "images"})
     for (const GltfJson& element : member(asset->json, kind))
       if (const GltfJson& uri = member(element, "uri");
-          uri.is_string() && !uri.get_ref<const std::string&>().starts_with("data:"))
+          uri.is_string() && !is_data_uri(uri.get_ref<const std::string&>()))
         file.referred_files.push_back(file_beside(path, uri.get<std::string>()).string());
   file.asset = asset;
   return file;

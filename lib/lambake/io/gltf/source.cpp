@@ -66,6 +66,7 @@ std::uint32_t u32_at(const std::vector<unsigned char>& bytes, std::size_t at) {
 /// The two chunks of a GLB, as ranges of its bytes.
 struct GlbChunks {
   std::span<const unsigned char> json, bin;
+  std::size_t n_unknown = 0;  ///< More of them, which are not read.
 };
 
 GlbChunks split_glb(const std::vector<unsigned char>& bytes, const std::string& path) {
@@ -88,7 +89,10 @@ GlbChunks split_glb(const std::vector<unsigned char>& bytes, const std::string& 
     const std::span<const unsigned char> chunk(bytes.data() + at + 8, n_bytes);
     if (i == 0 && type != 0x4E4F534A) fail(at + 4, "expected the JSON chunk first");
     if (i == 0) chunks.json = chunk;
-    if (i == 1 && type == 0x004E4942) chunks.bin = chunk;
+    if (i == 1 && type == 0x004E4942)
+      chunks.bin = chunk;
+    else
+      chunks.n_unknown += i > 0;
     at += 8 + n_bytes;
   }
   return chunks;
@@ -142,12 +146,11 @@ std::vector<unsigned char> read_buffer(const GltfSource& source, std::size_t ind
   }
   std::vector<unsigned char> bytes;
   const std::string& text = uri.get_ref<const std::string&>();
-  if (text.starts_with("data:")) {
-    std::string mime_type;
-    const bool is_decoded = tinygltf::IsDataURI(text) &&
-                            tinygltf::DecodeDataURI(&bytes, mime_type, text, 0, /* check size */ false);
-    if (!is_decoded && n_bytes > 0)
+  if (is_data_uri(text)) {
+    std::optional<std::vector<unsigned char>> data = bytes_of_data_uri(text);
+    if (!data)
       throw IoError(source.path, where + ".uri: expected data:application/octet-stream;base64 or the like");
+    bytes = std::move(*data);
   } else {
     bytes = read_beside(source.path, text);
   }
@@ -216,6 +219,25 @@ std::filesystem::path file_beside(const std::string& path, const std::string& ur
   return std::filesystem::path(path).parent_path() / decode_percent(uri);
 }
 
+bool is_data_uri(const std::string& uri) {
+  return in_lower_case(uri.substr(0, 5)) == "data:";
+}
+
+std::optional<std::vector<unsigned char>> bytes_of_data_uri(const std::string& uri) {
+  const std::size_t comma = uri.find(',');
+  if (comma == std::string::npos) return std::nullopt;
+  const std::string text = decode_percent(uri.substr(comma + 1));
+  if (!in_lower_case(uri.substr(0, comma)).ends_with(";base64"))
+    return std::vector<unsigned char>(text.begin(), text.end());
+  std::vector<unsigned char> bytes;
+  std::string mime_type;
+  if (!text.empty() &&
+      !tinygltf::DecodeDataURI(&bytes, mime_type, "data:application/octet-stream;base64," + text, 0,
+                               /* check size */ false))
+    return std::nullopt;
+  return bytes;
+}
+
 GltfSource read_gltf_source(const std::string& path) {
   const std::vector<unsigned char> bytes = all_bytes(InputFile(path));
   GltfSource source;
@@ -224,6 +246,7 @@ GltfSource read_gltf_source(const std::string& path) {
   if (!source.is_glb && file_extension(path) == "glb" && !begins_json(bytes))
     throw IoError(path, fmt::format("byte 0: expected \"glTF\" or JSON, found {}", beginning_of(bytes)));
   const GlbChunks chunks = source.is_glb ? split_glb(bytes, path) : GlbChunks{bytes, {}};
+  source.n_unknown_chunks = chunks.n_unknown;
   source.json = parse_gltf_json(chunks.json, path);
   if (!source.json.is_object()) throw IoError(path, "expected a JSON object");
   check_version(source);

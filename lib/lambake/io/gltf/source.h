@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,7 +14,8 @@ namespace lambake {
 struct GltfSource {
   std::string path;
   bool is_glb = false;
-  GltfJson json;  ///< As the file has it.
+  std::size_t n_unknown_chunks = 0;  ///< Of a GLB, beside the two that are known.
+  GltfJson json;                     ///< As the file has it.
   /// The bytes of each buffer: `byteLength` of them. Fallback buffers of EXT_meshopt_compression, which have
   /// no bytes of their own, are empty.
   std::vector<std::vector<unsigned char>> buffers;
@@ -30,6 +32,12 @@ std::filesystem::path file_beside(const std::string& path, const std::string& ur
 
 /// A URI's text with %XX replaced by what it stands for; all else is literal, + too (RFC 3986).
 std::string decode_percent(const std::string& uri);
+
+/// Whether a URI holds its bytes itself: data:, in any case (RFC 2397).
+bool is_data_uri(const std::string& uri);
+
+/// The bytes of such a URI, as base64 or as text with %XX; none if they are neither.
+std::optional<std::vector<unsigned char>> bytes_of_data_uri(const std::string& uri);
 
 /// Extensions whose meaning for Lambert light is taken in, or that have none.
 bool is_known_extension(const std::string& name);

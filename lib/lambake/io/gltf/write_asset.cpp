@@ -318,7 +318,7 @@ void check_buffer_path(const std::string& path, const GltfAsset& asset) {
   if (file_extension(path) != "gltf" || std::filesystem::equivalent(path, asset.path, none)) return;
   for (const GltfJson& buffer : member(asset.json, "buffers")) {
     const GltfJson& uri = member(buffer, "uri");
-    if (uri.is_null() || uri.get_ref<const std::string&>().starts_with("data:")) continue;
+    if (uri.is_null() || is_data_uri(uri.get_ref<const std::string&>())) continue;
     if (std::filesystem::equivalent(bin, file_beside(asset.path, uri.get_ref<const std::string&>()), none))
       throw InvalidOption(
           fmt::format("{}: would replace {}, a buffer of {}", path, bin.string(), asset.path));

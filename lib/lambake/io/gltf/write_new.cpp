@@ -239,12 +239,13 @@ class NewAsset {
     return append_accessor(document, elements);
   }
 
-  /// Whether the opacities of vertices call for blending. Where all are 0 nothing would be seen: some
-  /// programs write an alpha that they never set.
+  /// Whether there is anything to blend: the opacities of vertices may all be 1, or all 0, where nothing
+  /// would be seen: some programs write an alpha that they never set.
   bool is_blended(const Part& part) {
-    if (options_.attribute != "COLOR_0" || mesh_.opacities.empty() ||
-        scene_.materials[part.material].alpha_mode != AlphaMode::opaque)
-      return false;
+    const Material& material = scene_.materials[part.material];
+    if (material.alpha_mode != AlphaMode::blend) return false;
+    if (material.opacity < 1 || mesh_.opacities.empty()) return true;
+    if (options_.attribute != "COLOR_0") return false;
     const std::span<const float> opacities = kept_.of_part(mesh_.opacities, part);
     const auto n_below = static_cast<std::size_t>(
         std::count_if(opacities.begin(), opacities.end(), [](float opacity) { return opacity < 1; }));
@@ -273,7 +274,7 @@ class NewAsset {
     if (material.is_double_sided) json["doubleSided"] = true;
     if (material.alpha_mode == AlphaMode::mask)
       json["alphaMode"] = "MASK", json["alphaCutoff"] = material.alpha_cutoff;
-    if (material.alpha_mode == AlphaMode::blend || is_blended) json["alphaMode"] = "BLEND";
+    if (is_blended) json["alphaMode"] = "BLEND";
     if (options_.mark_unlit) {
       json["extensions"][gltf::unlit] = GltfJson::object();
       use_extension(document.json, gltf::unlit);
