@@ -367,6 +367,22 @@ TEST(GltfAsset, CutMesh_InterpolatesEveryAttributeInTheFilesOwnSpace) {
   }
 }
 
+TEST(GltfAsset, NamesAndExtrasOfAccessors_ComeBackWhereTheyAreWrittenAnew) {
+  GltfBuilder builder;
+  const ordered_json square = builder.add_primitive(builder.square());
+  ordered_json& normals = builder.json["accessors"][square["attributes"]["NORMAL"].get<std::size_t>()];
+  normals["name"] = "up", normals["extras"] = {{"by", 7}};
+  const SceneFile file = read_lit(builder.write());
+  const std::string path = temporary_file("names.glb");
+  const WrittenColors written = write_gltf_file(path, file, cut_first_triangle(file.scene), {});
+  EXPECT_EQ(count_of(written.findings, "rewritten_primitives"), 1U);
+  const Glb glb = read_glb(path);
+  const ordered_json& again = glb.json["accessors"][glb.attribute(0, 0, "NORMAL")];
+  EXPECT_EQ(again["count"], 5);
+  EXPECT_EQ(again["name"], "up");
+  EXPECT_EQ(again["extras"], normals["extras"]);
+}
+
 /// Σ area × mean vertex colour over the triangles whose material emits nothing.
 glm::dvec3 integral(const Mesh& mesh, const std::vector<Material>& materials,
                     const std::vector<LinearRgb>& colors) {

@@ -13,6 +13,7 @@
 
 #include "lambake/io/gltf/accessor.h"
 #include "lambake/io/gltf/skin.h"
+#include "lambake/io/gltf/source.h"
 
 namespace lambake {
 namespace {
@@ -283,7 +284,7 @@ std::size_t PrimitiveRewriter::rewrite_accessor(std::size_t index, const std::st
     for (const std::uint32_t origin : baked.vertices)
       for (std::size_t k = 0; k < n_components; ++k) values.push_back(mixed[origin * n_components + k]);
     elements.bytes = bytes_of(std::span<const float>(values));
-    return append_once(elements, semantic);
+    return keep_names(index, append_once(elements, semantic));
   }
   std::vector<std::uint32_t> from;
   from.reserve(elements.count);
@@ -294,7 +295,14 @@ std::size_t PrimitiveRewriter::rewrite_accessor(std::size_t index, const std::st
   elements.bytes = bytes;
   elements.component_type = accessor.componentType;
   elements.is_normalized = accessor.normalized;
-  return append_once(elements, semantic);
+  return keep_names(index, append_once(elements, semantic));
+}
+
+std::size_t PrimitiveRewriter::keep_names(std::size_t from, std::size_t to) {
+  for (const char* key : {"name", "extras"})
+    if (GltfJson value = member(asset_.json["accessors"][from], key); !value.is_null())
+      document_.json["accessors"][to].emplace(key, std::move(value));
+  return to;
 }
 
 std::size_t PrimitiveRewriter::append_once(const GltfElements& elements, const std::string& semantic) {

@@ -58,6 +58,8 @@ class PrimitiveRewriter {
   std::set<std::string> rewrite_skin(GltfJson& primitive, const BakedPrimitive& baked);
   std::size_t rewrite_accessor(std::size_t accessor, const std::string& semantic, const BakedPrimitive& baked,
                                bool is_target);
+  /// Gives accessor `to` what people wrote into the file's accessor `from`, unless it has some. @returns to.
+  std::size_t keep_names(std::size_t from, std::size_t to);
   std::size_t append_once(const GltfElements& elements, const std::string& semantic);
 
   const GltfAsset& asset_;
