@@ -3,6 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <random>
+
+#include <algorithm>
 #include <cmath>
 
 #include "shapes.h"
@@ -43,6 +46,27 @@ TEST(RobustNormals, Hills_SeeTheirWorstFaceBest) {
     }
     EXPECT_TRUE(is_better_somewhere);
   }
+}
+
+TEST(RobustNormals, NormalsAllAround_LieWithinARightAngleOfEachFace_InAnyOrderOfFaces) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<float> anywhere(-1, 1);
+  std::size_t n_undefined = 0;
+  for (int fan = 0; fan < 2000; ++fan) {  // Some fit into half a space, some do not.
+    Mesh mesh;
+    mesh.positions = {{0, 0, 0}};
+    for (std::uint32_t i = 0; i < 9; ++i)
+      mesh.positions.emplace_back(anywhere(random), anywhere(random), 3 * anywhere(random));
+    for (std::uint32_t i = 1; i < 9; ++i) mesh.triangles.push_back({0, i, i + 1});
+    const VertexNormals made = robust_normals(mesh);
+    const glm::dvec3 n(made.normals[0]);
+    n_undefined += n == glm::dvec3(0);
+    for (const glm::vec3& face : face_normals(mesh)) EXPECT_GE(glm::dot(n, glm::dvec3(face)), -1e-6) << fan;
+    std::shuffle(mesh.triangles.begin(), mesh.triangles.end(), random);
+    EXPECT_EQ(robust_normals(mesh).normals[0], made.normals[0]) << fan;
+  }
+  EXPECT_GT(n_undefined, 100U);
+  EXPECT_LT(n_undefined, 1900U);
 }
 
 TEST(RobustNormals, FacesBackToBackAndDefects_HaveNoDirectionAndAreCounted) {

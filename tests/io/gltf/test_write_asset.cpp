@@ -453,6 +453,19 @@ TEST(GltfAsset, CutUponCut_IsRoundedOnceAsTheMeshIs) {
   EXPECT_EQ(rows(mesh).size(), 17U * 17U);
 }
 
+TEST(GltfAsset, NodesThatRoundNothing_LeaveTheCertificateAsItIs) {
+  const auto rounding = [](const std::vector<double>& matrix) {
+    GltfBuilder builder;
+    builder.add_primitive(builder.square());
+    builder.json["nodes"][0]["matrix"] = matrix;
+    return read_gltf_file(builder.write("placed"), {}).scene.mesh.cut_rounding_of(1);
+  };
+  EXPECT_EQ(rounding({0, -2, 0, 0, 0, 0, 0.25, 0, 1, 0, 0, 0, 0, 0, 0, 1}), 0);
+  EXPECT_GT(rounding({0, -3, 0, 0, 0, 0, 0.25, 0, 1, 0, 0, 0, 0, 0, 0, 1}), 0);
+  EXPECT_GT(rounding({1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0.5, 1}), 0);
+  EXPECT_GT(rounding({1, 0, 0, 0, 1, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}), 0);
+}
+
 TEST(GltfAsset, VerticesFarFromTheirNode_AreRoundedThere_AndSoIsTheCertificate) {
   const auto rounding = [](float offset) {
     return read_gltf_file(bent_square(offset), {}).scene.mesh.cut_rounding_of(1);

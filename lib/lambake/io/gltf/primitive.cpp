@@ -116,6 +116,20 @@ glm::vec3 unit_or_zero(const glm::dvec3& v) {
   return length > 0 && std::isfinite(length) ? glm::vec3(v / length) : glm::vec3(0);
 }
 
+/// Whether placing rounds nothing: axes that trade places or turn round, each scaled by a power of two.
+bool is_exact(const glm::dmat4& matrix) {
+  for (int k = 0; k < 3; ++k) {
+    int n_in_column = 0, n_in_row = 0, exponent = 0;
+    for (int i = 0; i < 3; ++i) {
+      n_in_column += matrix[k][i] != 0;
+      n_in_row += matrix[i][k] != 0;
+      if (matrix[k][i] != 0 && std::abs(std::frexp(matrix[k][i], &exponent)) != 0.5) return false;
+    }
+    if (n_in_column != 1 || n_in_row != 1) return false;
+  }
+  return matrix[3] == glm::dvec4(0, 0, 0, 1);
+}
+
 /// How far from its place rounding to float puts what is made between vertices no larger than this one: in
 /// the coordinates of the file, and as the ends were rounded when they were placed.
 double rounding_between(const glm::dmat3& m, const glm::dvec3& position, const glm::dvec3& placed) {
@@ -231,7 +245,7 @@ WorldVertices read_vertices(const GltfAsset& asset, std::size_t node_index,
   glm::dmat4 matrix = world[node_index];
   glm::dmat3 of_normals = normal_matrix(glm::dmat3(matrix));
   bool is_mirrored = is_mirroring(glm::dmat3(matrix));
-  const bool is_as_in_file = !skinning && primitive.targets.empty() && matrix == glm::dmat4(1);
+  const bool is_as_in_file = !skinning && primitive.targets.empty() && is_exact(matrix);
   for (std::size_t i = 0; i < n; ++i) {
     if (skinning) {
       matrix = skinning->matrix(i);
