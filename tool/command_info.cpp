@@ -1,5 +1,10 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "commands.h"
 #include "console.h"
@@ -78,6 +83,32 @@ nlohmann::ordered_json describe(const SceneFile& file) {
   return json;
 }
 
+std::string with_blanks(std::string key) {
+  std::replace(key.begin(), key.end(), '_', ' ');
+  return key;
+}
+
+std::string for_people(const nlohmann::ordered_json& value) {
+  if (value.is_string()) return on_one_line(value.get<std::string>());
+  if (value.is_number_unsigned()) return group_digits(value.get<std::size_t>());
+  if (value.is_number()) return fmt::format("{:.6g}", value.get<double>());
+  if (value.is_boolean()) return value.get<bool>() ? "yes" : "no";
+  if (value.empty()) return "none";
+  std::vector<std::string> parts;
+  for (const auto& [key, part] : value.items()) {
+    if (value.is_array())
+      parts.push_back(for_people(part));
+    else if (key == "name")
+      parts.push_back(fmt::format("\"{}\"", for_people(part)));
+    else if (part.is_boolean() && part.get<bool>())
+      parts.push_back(with_blanks(key));
+    else if (!part.is_boolean())
+      parts.push_back(fmt::format("{} {}", with_blanks(key), for_people(part)));
+  }
+  const bool has_numbers = value.is_array() && value[0].is_number();
+  return fmt::format("{}", fmt::join(parts, has_numbers ? " " : ", "));
+}
+
 /// One line per entry; what is 0 or false stays, so that two files can be compared line by line.
 void print_for_people(const nlohmann::ordered_json& json) {
   for (const auto& [key, value] : json.items()) {
@@ -87,18 +118,10 @@ void print_for_people(const nlohmann::ordered_json& json) {
                      finding["text"].get<std::string>());
       continue;
     }
-    std::string label = key;
-    std::replace(label.begin(), label.end(), '_', ' ');
     if (value.is_array() && !value.empty() && value[0].is_object()) {
-      for (const auto& entry : value) print_result("{:<22} {}\n", label, entry.dump());
-    } else if (value.is_array() && value.empty()) {
-      print_result("{:<22} none\n", label);
-    } else if (value.is_number_unsigned()) {
-      print_result("{:<22} {}\n", label, group_digits(value.get<std::size_t>()));
-    } else if (value.is_boolean()) {
-      print_result("{:<22} {}\n", label, value.get<bool>() ? "yes" : "no");
+      for (const auto& entry : value) print_result("{:<22} {}\n", with_blanks(key), for_people(entry));
     } else {
-      print_result("{:<22} {}\n", label, value.is_string() ? value.get<std::string>() : value.dump());
+      print_result("{:<22} {}\n", with_blanks(key), for_people(value));
     }
   }
 }

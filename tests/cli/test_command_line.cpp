@@ -42,6 +42,16 @@ TEST(CommandLine, EveryCommand_Json_IsJsonAndNothingElse) {
   }
 }
 
+TEST(CommandLine, Info_SaysWhatAMaterialAndALightAreInWords) {
+  const ScratchFolder folder("words");
+  const ToolResult result = run_tool(folder, "info " LAMBAKE_SOURCE_DIR "/meshes/gallery.glb");
+  for (const char* line : {"min                    -5 0 -4\n",
+                           "materials              \"window\", base color 0.62 0.78 0.95, unlit\n",
+                           "lights                 type spot, \"spot\", intensity 7.63944 7.25747 6.49352\n",
+                           "cameras                room, knot\n"})
+    EXPECT_NE(result.out.find(line), std::string::npos) << line;
+}
+
 TEST(CommandLine, NoCommandOrAnUnknownOne_IsNamedBesideThoseThatThereAre) {
   const ScratchFolder folder("unknown");
   const std::string expected = "lambake: expected a command (bake, render, compare, chart, info), found ";
