@@ -91,7 +91,7 @@ std::string with_blanks(std::string key) {
 std::string for_people(const nlohmann::ordered_json& value) {
   if (value.is_string()) return on_one_line(value.get<std::string>());
   if (value.is_number_unsigned()) return group_digits(value.get<std::size_t>());
-  if (value.is_number()) return fmt::format("{:.6g}", value.get<double>());
+  if (value.is_number()) return fmt::format("{}", value.get<float>());
   if (value.is_boolean()) return value.get<bool>() ? "yes" : "no";
   if (value.empty()) return "none";
   std::vector<std::string> parts;

@@ -152,6 +152,7 @@ TEST_F(LightFile, WhatIsNoLightsFile_IsRefused) {
   EXPECT_EQ(refusal("").rfind("expected content", 0), 0U);
   EXPECT_EQ(refusal("{\n  \"lights\": [}").rfind("line 2, column 14: expected JSON: ", 0), 0U)
       << refusal("{\n  \"lights\": [}");
+  EXPECT_EQ(refusal(R"({"lights": [1e999]})"), "expected JSON: number overflow parsing '1e999'");
   EXPECT_EQ(refusal("\xFF\xFE{"), "expected text in UTF-8, found UTF-16");
 }
 

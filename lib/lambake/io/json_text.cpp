@@ -37,13 +37,16 @@ void check_depth(const std::string& path, std::string_view text) {
 
 void throw_no_json(const std::string& path, const std::string& reason) {
   constexpr std::size_t longest = 300;
+  // "[json.exception…] parse error at line 1, column 2: …", or another reason without a place.
+  const std::size_t name_end = reason.find("] ");
+  const std::string text = name_end == std::string::npos ? reason : reason.substr(name_end + 2);
   constexpr std::string_view before_place = "parse error at ";
-  const std::size_t place = reason.find(before_place), end = reason.find(": ", place);
-  if (place == std::string::npos || end == std::string::npos)
-    throw IoError(path, "expected JSON: " + shortened(reason, longest));
-  const std::size_t begin = place + before_place.size();
-  throw IoError(path, fmt::format("{}: expected JSON: {}", reason.substr(begin, end - begin),
-                                  shortened(reason.substr(end + 2), longest)));
+  const std::size_t place_end = text.find(": ");
+  if (!text.starts_with(before_place) || place_end == std::string::npos)
+    throw IoError(path, "expected JSON: " + shortened(text, longest));
+  throw IoError(path, fmt::format("{}: expected JSON: {}",
+                                  text.substr(before_place.size(), place_end - before_place.size()),
+                                  shortened(text.substr(place_end + 2), longest)));
 }
 
 }  // namespace lambake

@@ -44,10 +44,10 @@ OffHeader scan_header(TextCursor& cursor) {
   return header;
 }
 
-/// The numbers that are left on a line.
+/// The numbers that are left on a line: of a colour, and others behind it.
 struct LineNumbers {
   float values[6];
-  int n = 0;
+  int n = 0, n_of_color = 0;
   bool has_float = false;  // Among those of the colour.
 };
 
@@ -62,7 +62,8 @@ LineNumbers scan_line(TextCursor& cursor, int n_behind, const char* expected) {
     const std::string_view token(begin, static_cast<std::size_t>(cursor.position() - begin));
     is_float[line.n] = token.find_first_of(".eEnN") != std::string_view::npos;
   }
-  for (int i = 0; i < line.n - n_behind; ++i) line.has_float |= is_float[i];
+  line.n_of_color = std::max(0, line.n - n_behind);
+  line.has_float = std::any_of(is_float, is_float + line.n_of_color, [](bool is) { return is; });
   return line;
 }
 
@@ -71,11 +72,9 @@ class OffColors {
  public:
   bool empty() const { return colors_.empty(); }
   std::size_t n_given() const { return is_given_.size() - n_missing_; }
-  /// Takes what is left on the line: nothing, an index into a colour map (not read), r g b, or r g b alpha.
-  void scan(TextCursor& cursor) { add(scan_line(cursor, 0, "a colour"), 0); }
-  /// @param n_behind  how many of the numbers are not of the colour, behind it.
-  void add(const LineNumbers& line, int n_behind) {
-    const int n = line.n - n_behind;
+  /// A colour is nothing, an index into a colour map (not read), r g b, or r g b alpha.
+  void add(const LineNumbers& line) {
+    const int n = line.n_of_color;
     is_float_ = is_float_ || line.has_float;
     if (n >= 3) {
       colors_.resize(is_given_.size());  // Most files have none at all.
@@ -193,9 +192,9 @@ class OffScan {
         const LineNumbers line = scan_line(cursor_, 2, "a colour or a texture coordinate");
         if (line.n < 2) cursor_.fail("a texture coordinate", {});
         file_.texcoords.emplace_back(line.values[line.n - 2], line.values[line.n - 1]);
-        vertex_colors_.add(line, 2);
+        vertex_colors_.add(line);
       } else {
-        vertex_colors_.scan(cursor_);
+        vertex_colors_.add(scan_line(cursor_, 0, "a colour"));
       }
     }
   }
@@ -219,7 +218,7 @@ class OffScan {
           at.fail(fmt::format("a vertex index below {}", file_.n_vertices), at.token());
         corners.push_back(static_cast<std::uint32_t>(v));
       }
-      face_colors_.scan(cursor_);
+      face_colors_.add(scan_line(cursor_, 0, "a colour"));
       if (kept_.keep(corners.size())) append_face_row(face_rows_, corners);
     }
   }

@@ -24,20 +24,26 @@ std::size_t count_of(const BakedColors& baked, const char* code) {
   return 0;
 }
 
-/// Whether the output has no room for some of the colours. @param baked  as computed.
-bool is_clipped(const Scene& scene, const ColorOutput& output, const BakedColors& baked) {
+/// Whether the output has no room for some of the colours, by more than the tolerance: methods may leave
+/// white by that. @param baked  as computed.
+bool is_clipped(const Scene& scene, const BakeOptions& options, const BakedColors& baked) {
+  const auto exceeds = [&](double color, double high) {
+    if (color <= high) return false;
+    const double of_white = color / high;
+    return (options.tolerance_space == ErrorSpace::display ? srgb_encode(of_white) : of_white) - 1 >
+           options.tolerance;
+  };
   std::vector<ColorRange> ranges;
-  for (const Material& material : scene.materials) ranges.push_back(stored_range(output, material));
+  for (const Material& material : scene.materials) ranges.push_back(stored_range(options.output, material));
   const std::vector<std::uint32_t> materials = vertex_materials(mesh_of(scene, baked));
   for (std::size_t v = 0; v < materials.size(); ++v) {
     const LinearRgb &c = baked.colors[v], &high = ranges[materials[v]].high;
-    if (c.r > high.r || c.g > high.g || c.b > high.b) return true;
+    if (exceeds(c.r, high.r) || exceeds(c.g, high.g) || exceeds(c.b, high.b)) return true;
   }
   return false;
 }
 
-/// @param is_enough   Whether the chosen one's light is certified. @param is_clipped  Whether the sampled
-/// colours are.
+/// @param is_enough  Whether the chosen one's light is certified. @param is_clipped  Whether its colours are.
 std::string verdict(const Selection& selection, const BakeOptions& options, std::size_t n_vertices,
                     bool is_enough, bool is_clipped) {
   const MethodTrial& best = selection.trials[selection.chosen];
@@ -120,7 +126,6 @@ Selection select_method(const Scene& scene, const BakeOptions& options) {
     if (is_enough[i]) return a.bytes < b.bytes;
     return can_certify ? a.method == BakeMethod::adaptive : a.max_found < b.max_found;
   };
-  bool samples_are_clipped = false;
   for (const BakeMethod method :
        {BakeMethod::face, BakeMethod::sample, BakeMethod::least_squares, BakeMethod::adaptive}) {
     BakeOptions with = options;
@@ -129,7 +134,6 @@ Selection select_method(const Scene& scene, const BakeOptions& options) {
     BakedColors baked = bake(scene, with);
     MethodTrial trial;
     trial.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    if (method == BakeMethod::sample) samples_are_clipped = is_clipped(scene, options.output, baked);
     std::vector<LinearRgb> computed = baked.colors;
     take_stored_colors(scene, options.output, baked);
     const Mesh& mesh = mesh_of(scene, baked);
@@ -159,8 +163,8 @@ Selection select_method(const Scene& scene, const BakeOptions& options) {
   if (!can_certify && !selection.baked.certificate)
     selection.baked.findings.insert(selection.baked.findings.end(), options.output.gaps.begin(),
                                     options.output.gaps.end());
-  selection.sentence =
-      verdict(selection, options, scene.mesh.n_vertices(), is_enough[selection.chosen], samples_are_clipped);
+  selection.sentence = verdict(selection, options, scene.mesh.n_vertices(), is_enough[selection.chosen],
+                               is_clipped(scene, options, selection.baked));
   return selection;
 }
 

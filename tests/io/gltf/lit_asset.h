@@ -1,9 +1,12 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 
+#include "io/gltf/glb_reader.h"
 #include "lambake/bake/bake.h"
+#include "lambake/core/error.h"
 #include "lambake/io/gltf.h"
 
 /// What the tests of written assets share.
@@ -24,6 +27,28 @@ inline SceneFile read_lit(const std::string& path) {
     sun.intensity = {0.5f, 0.5f, 0.5f};
   }
   return file;
+}
+
+struct Written {
+  SceneFile in;
+  BakedColors baked;
+  WrittenColors written;
+  std::string path;
+};
+
+/// Bakes a file and writes it; nothing where the file has no triangle.
+inline std::optional<Written> bake_file(const std::string& path, const BakeOptions& bake_options,
+                                        const GltfWriteOptions& write_options) {
+  Written result;
+  try {
+    result.in = read_lit(path);
+  } catch (const InvalidScene&) {
+    return std::nullopt;
+  }
+  result.baked = bake(result.in.scene, bake_options);
+  result.path = temporary_file("out.glb");
+  result.written = write_gltf_file(result.path, result.in, result.baked, write_options);
+  return result;
 }
 
 /// A midpoint cut of the scene's first triangle, as a cutting method gives it.
