@@ -45,10 +45,11 @@ TEST(CommandLine, EveryCommand_Json_IsJsonAndNothingElse) {
 TEST(CommandLine, Info_SaysWhatAMaterialAndALightAreInWords) {
   const ScratchFolder folder("words");
   const ToolResult result = run_tool(folder, "info " LAMBAKE_SOURCE_DIR "/meshes/gallery.glb");
-  for (const char* line : {"min                    -5 0 -4\n",
-                           "materials              \"window\", base color 0.62 0.78 0.95, unlit\n",
-                           "lights                 type spot, \"spot\", intensity 7.639437 7.2574654 6.4935217\n",
-                           "cameras                room, knot\n"})
+  for (const char* line :
+       {"min                    -5 0 -4\n",
+        "materials              \"window\", base color 0.62 0.78 0.95, unlit\n",
+        "lights                 type spot, \"spot\", intensity 7.639437 7.2574654 6.4935217\n",
+        "cameras                room, knot\n"})
     EXPECT_NE(result.out.find(line), std::string::npos) << line;
 }
 
